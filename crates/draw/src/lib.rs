@@ -1,0 +1,1 @@
+//! Pictures without a window: labelled point clouds as PNG, staircase costs as SVG
