@@ -1,1 +1,9 @@
-//! Readers and writers of scans, trajectories and plane maps: PLY, PCD, XYZ, NPY, depth PNG, TUM, KITTI
+//! Readers and writers of scans, trajectories and plane maps.
+
+mod cloud;
+pub mod npy;
+pub mod pcd;
+pub mod ply;
+pub mod text;
+
+pub use cloud::{Cloud, FieldChoice};
