@@ -1,0 +1,82 @@
+//! Puts a building together from surfaces and views.
+
+use crate::scene::{Scene, SceneKind, ScenePlane};
+use crate::sensor::{Sensor, View};
+use crate::shape::{Cylinder, Rectangle, Shape, Sphere};
+use crate::vector::Vec3;
+use terrace_types::{Plane, PlaneId, Pose};
+
+/// A surface and the true plane it belongs to.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface {
+    pub(crate) shape: Shape,
+    pub(crate) plane: Option<PlaneId>,
+}
+
+/// Collects what a scene consists of. Only the fixed buildings of this crate pass through it, so that what cannot
+/// be built is a mistake in their constants, which the tests of every scene would meet.
+#[derive(Debug)]
+pub(crate) struct Builder {
+    scene: Scene,
+}
+
+impl Builder {
+    pub(crate) fn new(kind: SceneKind) -> Self {
+        Self {
+            scene: Scene {
+                kind,
+                surfaces: Vec::new(),
+                planes: Vec::new(),
+                views: Vec::new(),
+                placement: Pose::IDENTITY,
+            },
+        }
+    }
+
+    /// A true plane, made of one or more coplanar rectangles; its normal is that of the first.
+    #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
+    pub(crate) fn plane(&mut self, name: &'static str, parts: impl IntoIterator<Item = Rectangle>) {
+        let id = PlaneId::from_index(self.scene.planes.len()).expect("few planes");
+        let mut parts = parts.into_iter().peekable();
+        let first = parts.peek().expect("a plane has a part");
+        let plane = Plane::through(first.corner(), first.normal()).expect("the part has a direction");
+        self.scene.planes.push(ScenePlane { id, name, plane });
+        self.scene
+            .surfaces
+            .extend(parts.map(|part| Surface { shape: Shape::Rectangle(part), plane: Some(id) }));
+    }
+
+    /// A flat part too narrow to count as a plane, such as the reveal of a door.
+    pub(crate) fn trim(&mut self, part: Rectangle) {
+        self.scene.surfaces.push(Surface { shape: Shape::Rectangle(part), plane: None });
+    }
+
+    pub(crate) fn sphere(&mut self, centre: Vec3, radius: f64) {
+        let shape = Shape::Sphere(Sphere { centre, radius });
+        self.scene.surfaces.push(Surface { shape, plane: None });
+    }
+
+    pub(crate) fn cylinder(&mut self, base: Vec3, top: Vec3, radius: f64) {
+        let shape = Shape::Cylinder(Cylinder::between(base, top, radius));
+        self.scene.surfaces.push(Surface { shape, plane: None });
+    }
+
+    #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
+    pub(crate) fn view(&mut self, sensor: Sensor, rotation: [Vec3; 3], position: Vec3) {
+        let pose = Pose::new(rotation, position).expect("the view has a rotation");
+        self.scene.views.push(View { sensor, in_building: pose, in_world: pose });
+    }
+
+    pub(crate) fn finish(self) -> Scene {
+        self.scene
+    }
+
+    /// The finished scene, rotated.
+    #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
+    pub(crate) fn finish_rotated(self, rotation: [Vec3; 3]) -> Scene {
+        Pose::new(rotation, [0.0; 3])
+            .map_err(Into::into)
+            .and_then(|pose| self.scene.transformed(&pose))
+            .expect("the building has a rotation")
+    }
+}

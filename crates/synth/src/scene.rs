@@ -1,0 +1,200 @@
+//! A building with known planes, and the places from which it is scanned.
+
+use crate::build::Surface;
+use crate::chunks::Chunks;
+use crate::params::{Params, SynthError};
+use crate::scenes;
+use crate::sensor::View;
+use crate::shape::Ray;
+use crate::synthetic::Synthetic;
+use std::str::FromStr;
+use terrace_types::{Plane, PlaneId, Pose};
+
+/// The scenes this crate knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SceneKind {
+    /// A table top and two side panels, mutually perpendicular, under white noise.
+    Table,
+    /// A furnished room seen by a depth camera from fourteen places.
+    Room,
+    /// A corridor with a bend, scanned by a lidar that moves along it.
+    Corridor,
+}
+
+impl SceneKind {
+    /// All scenes, in the order of their declaration.
+    pub const ALL: [Self; 3] = [Self::Table, Self::Room, Self::Corridor];
+
+    /// The name by which [`FromStr`] finds it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::Room => "room",
+            Self::Corridor => "corridor",
+        }
+    }
+
+    /// How many points are made when the caller does not say.
+    pub fn default_points(self) -> usize {
+        match self {
+            Self::Table => 30_000,
+            Self::Room => 300_000,
+            Self::Corridor => 400_000,
+        }
+    }
+}
+
+impl std::fmt::Display for SceneKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// There is no scene of this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no scene {name:?}; there are table, room and corridor")]
+pub struct UnknownScene {
+    /// The name as given.
+    pub name: String,
+}
+
+impl FromStr for SceneKind {
+    type Err = UnknownScene;
+
+    fn from_str(name: &str) -> Result<Self, UnknownScene> {
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name)
+            .ok_or_else(|| UnknownScene { name: name.to_owned() })
+    }
+}
+
+/// A plane of a scene, as built.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScenePlane {
+    /// Its identity in the labels.
+    pub id: PlaneId,
+    /// What it is, in English.
+    pub name: &'static str,
+    /// Where it is in the world; the normal points to the side from which it is seen.
+    pub plane: Plane,
+}
+
+/// A building with known planes that can be scanned with any number of points.
+///
+/// See the [crate page](crate) for an example.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub(crate) kind: SceneKind,
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) planes: Vec<ScenePlane>,
+    pub(crate) views: Vec<View>,
+    /// From the building to the world.
+    pub(crate) placement: Pose,
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hit {
+    pub(crate) distance: f64,
+    pub(crate) plane: Option<PlaneId>,
+}
+
+impl Scene {
+    /// The scene of this kind.
+    pub fn new(kind: SceneKind) -> Self {
+        match kind {
+            SceneKind::Table => Self::table(),
+            SceneKind::Room => Self::room(),
+            SceneKind::Corridor => Self::corridor(),
+        }
+    }
+
+    /// A top of 1.2 × 1.0 m and two side panels 0.75 m high that meet it and each other along edges, the whole turned
+    /// so that no plane is parallel to an axis. Points are spread evenly over the area and moved by noise of the
+    /// same size along every axis, 1 cm unless chosen; the place of a sensor is not known.
+    pub fn table() -> Self {
+        scenes::table()
+    }
+
+    /// A room of 5 × 4 × 2.6 m with a door recessed by 6 cm, two tables, a sideboard, a board that leans at a wall, a
+    /// ball and a pillar, seen by a depth camera from fourteen places, with the noise of a Kinect along each ray.
+    pub fn room() -> Self {
+        scenes::room()
+    }
+
+    /// A corridor of 26 m, 2.5 m wide and 2.8 m high, with a right-angled bend, eight doors in niches of different
+    /// depth and two pipes, scanned by a lidar from a place every 1.5 m, with 2 cm of noise along each ray.
+    pub fn corridor() -> Self {
+        scenes::corridor()
+    }
+
+    /// Which scene this is.
+    pub fn kind(&self) -> SceneKind {
+        self.kind
+    }
+
+    /// The true planes, by identity.
+    pub fn planes(&self) -> &[ScenePlane] {
+        &self.planes
+    }
+
+    /// The same scene moved rigidly: `world = pose · old world`. Points in the sensors' frames stay the same to the
+    /// last bit; the poses of the sensors move.
+    ///
+    /// # Errors
+    /// [`SynthError::Pose`] or [`SynthError::Plane`] when the motion leaves the range of numbers.
+    pub fn transformed(&self, pose: &Pose) -> Result<Self, SynthError> {
+        let mut moved = self.clone();
+        moved.placement = compose(pose, &self.placement)?;
+        for view in &mut moved.views {
+            view.in_world = compose(pose, &view.in_world)?;
+        }
+        for plane in &mut moved.planes {
+            let normal = plane.plane.normal();
+            let foot = normal.map(|x| -plane.plane.d() * x);
+            plane.plane = Plane::through(pose.transform(foot), pose.rotate(normal))?;
+        }
+        Ok(moved)
+    }
+
+    /// Scans the scene; every view that has points becomes one scan.
+    ///
+    /// # Errors
+    /// [`SynthError`] for parameters out of range.
+    pub fn generate(&self, params: &Params) -> Result<Synthetic, SynthError> {
+        let mut chunks = self.chunks(params, usize::MAX)?;
+        let scans = chunks.by_ref().map(|chunk| chunk.scan).collect();
+        Ok(Synthetic { scans, planes: chunks.planes() })
+    }
+
+    /// Scans the scene in pieces of at most `size` points (at least 1), in the order of [`Scene::generate`] and
+    /// bit for bit the same points, so that memory stays bounded for scans of any size.
+    ///
+    /// # Errors
+    /// [`SynthError`] for parameters out of range.
+    pub fn chunks(&self, params: &Params, size: usize) -> Result<Chunks<'_>, SynthError> {
+        Chunks::new(self, params, size.max(1))
+    }
+
+    /// The nearest surface along a ray of the building's frame.
+    pub(crate) fn cast(&self, ray: &Ray) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for surface in &self.surfaces {
+            if let Some(distance) = surface.shape.intersect(ray)
+                && nearest.is_none_or(|hit| distance < hit.distance)
+            {
+                nearest = Some(Hit { distance, plane: surface.plane });
+            }
+        }
+        nearest
+    }
+}
+
+/// First `b`, then `a`.
+fn compose(a: &Pose, b: &Pose) -> Result<Pose, SynthError> {
+    let r = b.rotation();
+    let columns = [0, 1, 2].map(|j| a.rotate([r[0][j], r[1][j], r[2][j]]));
+    let rows = [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]);
+    Ok(Pose::new(rows, a.transform(b.translation()))?)
+}

@@ -1,0 +1,9 @@
+//! The buildings, one file each. Lengths in metres.
+
+mod corridor;
+mod room;
+mod table;
+
+pub(crate) use corridor::corridor;
+pub(crate) use room::room;
+pub(crate) use table::table;

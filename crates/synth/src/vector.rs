@@ -1,0 +1,29 @@
+//! Three-vectors as arrays.
+
+pub(crate) type Vec3 = [f64; 3];
+
+pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a + s b`.
+pub(crate) fn add_scaled(a: Vec3, s: f64, b: Vec3) -> Vec3 {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+pub(crate) fn length(a: Vec3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+pub(crate) fn unit(a: Vec3) -> Vec3 {
+    let length = length(a);
+    a.map(|x| x / length)
+}
