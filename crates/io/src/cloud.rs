@@ -1,5 +1,9 @@
 //! What the readers of point files return, before noise model and pose are decided.
 
+pub(crate) mod fields;
+pub(crate) mod lines;
+pub(crate) mod records;
+
 use terrace_types::{Pose, Sigma};
 
 /// The points of one file, in file order and as they stand there, with what the file says of their errors.
