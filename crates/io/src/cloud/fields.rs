@@ -145,11 +145,6 @@ impl Rows {
         }
     }
 
-    /// How many rows there are.
-    pub(crate) fn len(&self) -> usize {
-        self.points.len()
-    }
-
     /// The points and errors.
     pub(crate) fn finish(self) -> (Vec<[f64; 3]>, Sigma) {
         (self.points, self.sigmas)
@@ -196,7 +191,6 @@ mod tests {
             rows.set(index, index as f64);
         }
         rows.push();
-        assert_eq!(rows.len(), 1);
         assert_eq!(rows.finish(), (vec![[0.0, 1.0, 2.0]], Sigma::PerPoint(vec![2.0])));
     }
 }
