@@ -1,0 +1,92 @@
+//! A picture of coloured pixels.
+
+use crate::error::{DrawError, check_size};
+
+/// The background of all pictures.
+pub(crate) const WHITE: [u8; 3] = [255; 3];
+
+/// A picture of coloured pixels, row by row from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Image {
+    /// A white picture.
+    ///
+    /// # Errors
+    /// [`DrawError::Size`] when a side is 0 or above [`MAX_SIDE`](crate::MAX_SIDE).
+    pub fn new(width: usize, height: usize) -> Result<Self, DrawError> {
+        check_size(width, height)?;
+        Ok(Self { width, height, pixels: vec![WHITE; width * height] })
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The colour at column `x` and row `y`; `None` outside.
+    pub fn pixel(&self, x: usize, y: usize) -> Option<[u8; 3]> {
+        if x < self.width { self.pixels.get(y * self.width + x).copied() } else { None }
+    }
+
+    pub(crate) fn pixels_mut(&mut self) -> &mut [[u8; 3]] {
+        &mut self.pixels
+    }
+
+    /// Mixes `colour` into a pixel; `share` 1 replaces it, 0 leaves it. Outside nothing happens.
+    pub(crate) fn blend(&mut self, x: usize, y: usize, colour: [u8; 3], share: f64) {
+        if x >= self.width {
+            return;
+        }
+        if let Some(pixel) = self.pixels.get_mut(y * self.width + x) {
+            for (old, new) in pixel.iter_mut().zip(colour) {
+                let mixed = f64::from(*old) + share * (f64::from(new) - f64::from(*old));
+                *old = crate::palette::to_byte(mixed / 255.0);
+            }
+        }
+    }
+
+    /// Two pictures side by side, aligned at the top, on white.
+    ///
+    /// # Errors
+    /// [`DrawError::Size`] when both together are too wide.
+    pub fn beside(left: &Self, right: &Self) -> Result<Self, DrawError> {
+        let mut both = Self::new(left.width + right.width, left.height.max(right.height))?;
+        for (part, start) in [(left, 0), (right, left.width)] {
+            for (to, from) in both
+                .pixels
+                .chunks_exact_mut(left.width + right.width)
+                .zip(part.pixels.chunks_exact(part.width))
+            {
+                to[start..start + part.width].copy_from_slice(from);
+            }
+        }
+        Ok(both)
+    }
+
+    /// The picture as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// [`DrawError::Png`] when the encoder fails.
+    pub fn png(&self) -> Result<Vec<u8>, DrawError> {
+        let mut bytes = Vec::new();
+        // The sides are at most MAX_SIDE and so fit.
+        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let mut encoder = png::Encoder::new(&mut bytes, side(self.width), side(self.height));
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+}

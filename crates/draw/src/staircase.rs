@@ -1,0 +1,252 @@
+//! The chart of a cost that is constant on intervals.
+
+use crate::axis::Axis;
+use crate::canvas::{Anchor, Canvas};
+use crate::error::DrawError;
+use crate::raster::Raster;
+use crate::svg::Svg;
+
+/// An interval on which the cost is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it begins.
+    pub low: f64,
+    /// Where it ends.
+    pub high: f64,
+    /// The cost on it.
+    pub value: f64,
+}
+
+/// A point at which the cost was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// The point.
+    pub x: f64,
+    /// The cost there.
+    pub value: f64,
+    /// Whether the cost was evaluated; otherwise it was known from a step.
+    pub evaluated: bool,
+}
+
+/// A chart of a staircase: its steps, the samples of a search on it, and the best point found.
+///
+/// Where no step is given the cost is unknown and the chart has a gap. Steps and samples that are not finite or outside the
+/// range of x are left out; steps that cross its border are cut there.
+///
+/// ```
+/// use terrace_draw::{Staircase, Step};
+///
+/// let chart = Staircase {
+///     title: "cost of a threshold".into(),
+///     steps: vec![Step { low: 0.0, high: 0.4, value: 2.0 }, Step { low: 0.4, high: 1.0, value: 1.0 }],
+///     ..Staircase::new("φ", "β", [0.0, 1.0])
+/// };
+/// assert!(chart.svg(640, 400)?.contains("cost of a threshold"));
+/// assert_eq!(&chart.png(640, 400)?[1..4], b"PNG");
+/// # Ok::<(), terrace_draw::DrawError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Staircase {
+    /// Above the chart; may be empty.
+    pub title: String,
+    /// What x is.
+    pub x_label: String,
+    /// What the cost is.
+    pub y_label: String,
+    /// The range of x shown.
+    pub range: [f64; 2],
+    /// Where the cost is known.
+    pub steps: Vec<Step>,
+    /// Where it was asked for.
+    pub samples: Vec<Sample>,
+    /// The best point, as x and cost.
+    pub best: Option<[f64; 2]>,
+}
+
+const INK: [u8; 3] = [45, 45, 50];
+const GRID: [u8; 3] = [228, 228, 232];
+const STEP: [u8; 3] = [38, 99, 166];
+const EVALUATED: [u8; 3] = [214, 96, 36];
+const KNOWN: [u8; 3] = [140, 146, 158];
+const BEST: [u8; 3] = [30, 140, 70];
+const WHITE: [u8; 3] = [255; 3];
+
+/// Height of capitals, in pixels: of the title and of all else.
+const TITLE: f64 = 14.0;
+const TEXT: f64 = 10.0;
+
+impl Staircase {
+    /// A chart without content.
+    pub fn new(x_label: &str, y_label: &str, range: [f64; 2]) -> Self {
+        Self {
+            title: String::new(),
+            x_label: x_label.to_owned(),
+            y_label: y_label.to_owned(),
+            range,
+            steps: Vec::new(),
+            samples: Vec::new(),
+            best: None,
+        }
+    }
+
+    /// The chart as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`DrawError::Size`] for an impossible size, [`DrawError::Range`] for an empty range of x.
+    pub fn svg(&self, width: usize, height: usize) -> Result<String, DrawError> {
+        let mut svg = Svg::new(width, height)?;
+        self.draw(&mut svg)?;
+        Ok(svg.finish())
+    }
+
+    /// The chart as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// As for [`Staircase::svg`], and [`DrawError::Png`] when the encoder fails.
+    pub fn png(&self, width: usize, height: usize) -> Result<Vec<u8>, DrawError> {
+        let mut raster = Raster::new(width, height)?;
+        self.draw(&mut raster)?;
+        raster.into_image().png()
+    }
+
+    /// Draws the chart over the whole of a canvas.
+    ///
+    /// # Errors
+    /// [`DrawError::Range`] for an empty range of x.
+    pub fn draw<C: Canvas>(&self, canvas: &mut C) -> Result<(), DrawError> {
+        let [low, high] = self.range;
+        if !(low.is_finite() && high.is_finite() && low < high) {
+            return Err(DrawError::Range { low, high });
+        }
+        let [width, height] = canvas.size();
+        let (left, right, top, bottom) = (76.0, width - 24.0, 66.0, height - 52.0);
+        // A sheet too small for its margins has a chart of no extent in the middle.
+        let [left, right] = if left < right { [left, right] } else { [width / 2.0; 2] };
+        let [top, bottom] = if top < bottom { [top, bottom] } else { [height / 2.0; 2] };
+        let steps: Vec<Step> = self.steps.iter().filter_map(|step| within(step, self.range)).collect();
+        let samples: Vec<Sample> =
+            self.samples.iter().copied().filter(|s| shown(s.x, s.value, self.range)).collect();
+        let best = self.best.filter(|[x, value]| shown(*x, *value, self.range));
+        let values = || {
+            let steps = steps.iter().map(|step| step.value);
+            steps.chain(samples.iter().map(|s| s.value)).chain(best.map(|[_, value]| value))
+        };
+        let (least, most) = values().fold((f64::MAX, -f64::MAX), |(a, b), v| (a.min(v), b.max(v)));
+        let (least, most) = if least <= most { (least, most) } else { (0.0, 1.0) };
+        let x = Axis::new(low, high, left, right);
+        // Room below and above, so that no mark lies on the frame.
+        let y = Axis::new(
+            least,
+            most,
+            bottom - 14.0_f64.min((bottom - top) / 4.0),
+            top + 14.0_f64.min((bottom - top) / 4.0),
+        );
+
+        self.frame(canvas, [left, top], [right, bottom], [&x, &y]);
+        for pair in steps.windows(2) {
+            if let [a, b] = pair
+                && (b.low - a.high).abs() <= (high - low).abs() * 1e-9
+            {
+                canvas.line(
+                    [x.place(b.low), y.place(a.value)],
+                    [x.place(b.low), y.place(b.value)],
+                    1.0,
+                    STEP,
+                );
+            }
+        }
+        for step in &steps {
+            canvas.line(
+                [x.place(step.low), y.place(step.value)],
+                [x.place(step.high), y.place(step.value)],
+                2.5,
+                STEP,
+            );
+        }
+        // Evaluated samples are the fewer and lie on top.
+        for sample in samples.iter().filter(|s| !s.evaluated) {
+            ring(canvas, [x.place(sample.x), y.place(sample.value)], KNOWN);
+        }
+        for sample in samples.iter().filter(|s| s.evaluated) {
+            canvas.disc([x.place(sample.x), y.place(sample.value)], 4.0, EVALUATED);
+        }
+        if let Some([at, value]) = best {
+            star(canvas, [x.place(at), y.place(value)]);
+        }
+        self.legend(canvas, left, 46.0);
+        Ok(())
+    }
+
+    /// Title, grid, ticks and labels of the axes.
+    fn frame<C: Canvas>(
+        &self,
+        canvas: &mut C,
+        [left, top]: [f64; 2],
+        [right, bottom]: [f64; 2],
+        axes: [&Axis; 2],
+    ) {
+        let [x, y] = axes;
+        canvas.text([f64::midpoint(left, right), 20.0], &self.title, TITLE, Anchor::Middle, INK);
+        for (value, label) in x.ticks(10) {
+            let at = x.place(value);
+            canvas.line([at, top], [at, bottom], 1.0, GRID);
+            canvas.text([at, bottom + 14.0], &label, TEXT, Anchor::Middle, INK);
+        }
+        for (value, label) in y.ticks(7) {
+            let at = y.place(value);
+            canvas.line([left, at], [right, at], 1.0, GRID);
+            canvas.text([left - 8.0, at], &label, TEXT, Anchor::End, INK);
+        }
+        canvas.line([left, bottom], [right, bottom], 1.0, INK);
+        canvas.line([left, top], [left, bottom], 1.0, INK);
+        canvas.text([f64::midpoint(left, right), bottom + 36.0], &self.x_label, TEXT, Anchor::Middle, INK);
+        canvas.text([left, top - 12.0], &self.y_label, TEXT, Anchor::End, INK);
+    }
+
+    /// What the marks mean, those that occur.
+    fn legend<C: Canvas>(&self, canvas: &mut C, left: f64, at: f64) {
+        let mut place = left + 24.0;
+        let mut entry = |canvas: &mut C, text: &str, mark: &dyn Fn(&mut C, [f64; 2])| {
+            mark(canvas, [place, at]);
+            canvas.text([place + 14.0, at], text, TEXT, Anchor::Start, INK);
+            place += 40.0 + 6.5 * text.len() as f64;
+        };
+        if !self.steps.is_empty() {
+            entry(canvas, "cost, where known", &|c, [x, y]| c.line([x - 8.0, y], [x + 8.0, y], 2.5, STEP));
+        }
+        if self.samples.iter().any(|s| s.evaluated) {
+            entry(canvas, "evaluated", &|c, centre| c.disc(centre, 4.0, EVALUATED));
+        }
+        if self.samples.iter().any(|s| !s.evaluated) {
+            entry(canvas, "known from a step", &|c, centre| ring(c, centre, KNOWN));
+        }
+        if self.best.is_some() {
+            entry(canvas, "best", &star);
+        }
+    }
+}
+
+fn ring<C: Canvas>(canvas: &mut C, centre: [f64; 2], colour: [u8; 3]) {
+    canvas.disc(centre, 3.5, colour);
+    canvas.disc(centre, 2.0, WHITE);
+}
+
+/// A ring around a point, with a cross through it.
+fn star<C: Canvas>(canvas: &mut C, [x, y]: [f64; 2]) {
+    for (dx, dy) in [(9.0, 0.0), (0.0, 9.0)] {
+        canvas.line([x - dx, y - dy], [x + dx, y + dy], 1.5, BEST);
+    }
+    canvas.disc([x, y], 6.0, BEST);
+    canvas.disc([x, y], 3.0, WHITE);
+}
+
+fn shown(x: f64, value: f64, [low, high]: [f64; 2]) -> bool {
+    value.is_finite() && (low..=high).contains(&x)
+}
+
+/// The part of a step within the range; `None` when there is none.
+fn within(step: &Step, [low, high]: [f64; 2]) -> Option<Step> {
+    let cut = Step { low: step.low.max(low), high: step.high.min(high), value: step.value };
+    let known = !step.low.is_nan() && !step.high.is_nan() && step.value.is_finite();
+    (known && cut.low <= cut.high).then_some(cut)
+}
