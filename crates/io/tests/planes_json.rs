@@ -1,0 +1,155 @@
+//! `planes.json` there and back, and files that are none.
+
+use proptest::option;
+use proptest::prelude::*;
+use serde_json::json;
+use terrace_io::planes_json::{PhiInterval, PlaneRecord, PlanesFile, PlanesJsonError, Summary, Timings};
+use terrace_io::{FileError, WriteErrorKind};
+use terrace_types::{Plane, PlaneId};
+
+fn number() -> impl Strategy<Value = f64> {
+    prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO
+}
+
+fn record() -> impl Strategy<Value = PlaneRecord> {
+    let vector = || prop::array::uniform3(number());
+    let interval = (number(), option::of(number())).prop_map(|(lo, hi)| PhiInterval { lo, hi });
+    (
+        (any::<u32>(), option::of("\\PC{0,8}"), prop::array::uniform4(number()), option::of(vector())),
+        (option::of(vector()), any::<u64>(), option::of(any::<u64>()), option::of(number())),
+        (option::of(number()), option::of(interval)),
+    )
+        .prop_map(|(a, b, c)| PlaneRecord {
+            id: a.0,
+            name: a.1,
+            coefficients: a.2,
+            centroid: a.3,
+            normal_uncertainty: b.0,
+            points: b.1,
+            cells: b.2,
+            rms: b.3,
+            phi: c.0,
+            phi_interval: c.1,
+        })
+}
+
+proptest! {
+    #[test]
+    fn there_and_back_to_the_last_bit(
+        planes in prop::collection::vec(record(), 0..4),
+        mean in option::of(prop::array::uniform3(number())),
+        total in number(),
+        seed in any::<u64>(), cell in number(),
+    ) {
+        let mut file = PlanesFile {
+            planes,
+            summary: Some(Summary { points: 5, labelled: 4, planes: 1, normal_uncertainty_mean: mean }),
+            timings_seconds: Some(Timings { total, ..Timings::default() }),
+            ..PlanesFile::default()
+        };
+        file.parameters.insert("seed".into(), json!(seed));
+        file.parameters.insert("cell".into(), json!(cell));
+        let text = file.to_json().unwrap();
+        let back = PlanesFile::from_json(text.as_bytes()).unwrap();
+        prop_assert_eq!(back.to_json().unwrap(), text);
+        prop_assert_eq!(back, file);
+    }
+}
+
+fn example() -> PlanesFile {
+    let plane = Plane::through([0.0, 0.0, 1.5], [0.0, 0.0, 1.0]).unwrap();
+    let record = PlaneRecord {
+        centroid: Some([0.25, 0.5, 1.5]),
+        normal_uncertainty: Some([0.01, 0.02, 0.0]),
+        cells: Some(7),
+        rms: Some(0.002),
+        phi: Some(0.3),
+        phi_interval: Some(PhiInterval { lo: 0.25, hi: None }),
+        ..PlaneRecord::new(PlaneId::new(1).unwrap(), &plane, 120)
+    };
+    PlanesFile { planes: vec![record], ..PlanesFile::default() }
+}
+
+#[test]
+fn layout_of_the_file() {
+    let text = example().to_json().unwrap();
+    let expected = json!({
+        "format": "terrace-planes", "version": 1, "parameters": {},
+        "planes": [{
+            "id": 1, "coefficients": [0.0, 0.0, 1.0, -1.5], "centroid": [0.25, 0.5, 1.5],
+            "normal_uncertainty": [0.01, 0.02, 0.0], "points": 120, "cells": 7, "rms": 0.002,
+            "phi": 0.3, "phi_interval": [0.25, null]
+        }]
+    });
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), expected);
+    assert!(text.starts_with("{\n  \"format\": \"terrace-planes\",\n  \"version\": 1,\n"), "{text}");
+}
+
+#[test]
+fn fields_of_later_programs_are_passed_over() {
+    let text = r#"{"version": 1, "format": "terrace-planes", "extra": [1], "planes": []}"#;
+    assert_eq!(PlanesFile::from_json(text.as_bytes()).unwrap(), PlanesFile::default());
+}
+
+#[test]
+fn unknown_format_and_version() {
+    let read = |text: &str| PlanesFile::from_json(text.as_bytes()).unwrap_err();
+    let version = read(r#"{"format": "terrace-planes", "version": 2, "planes": "new"}"#);
+    assert!(matches!(version, PlanesJsonError::Version { found: 2 }));
+    let format = read(r#"{"format": "other", "version": 1}"#);
+    assert!(matches!(format, PlanesJsonError::Format { found } if found == "other"));
+    for text in ["", "[]", "{}", "null", r#"{"format": 1, "version": 1}"#, &"[".repeat(100_000)] {
+        assert!(matches!(read(text), PlanesJsonError::Json(_)));
+    }
+    let missing = read(r#"{"format": "terrace-planes", "version": 1}"#);
+    assert!(missing.to_string().contains("planes"), "{missing}");
+}
+
+#[test]
+fn truncated_at_every_byte() {
+    let text = example().to_json().unwrap();
+    let text = text.trim_end();
+    for end in 0..text.len() {
+        assert!(PlanesFile::from_json(&text.as_bytes()[..end]).is_err(), "cut at {end}");
+    }
+}
+
+#[test]
+fn nan_and_infinity_are_refused_by_name() {
+    let spoil: [(&str, fn(&mut PlanesFile)); 8] = [
+        ("planes[0].coefficients", |f| f.planes[0].coefficients[3] = f64::NAN),
+        ("planes[0].centroid", |f| f.planes[0].centroid = Some([f64::INFINITY; 3])),
+        ("planes[0].normal_uncertainty", |f| f.planes[0].normal_uncertainty = Some([f64::NAN; 3])),
+        ("planes[0].rms", |f| f.planes[0].rms = Some(f64::NEG_INFINITY)),
+        ("planes[0].phi", |f| f.planes[0].phi = Some(f64::NAN)),
+        ("planes[0].phi_interval", |f| {
+            f.planes[0].phi_interval = Some(PhiInterval { lo: 0.0, hi: Some(f64::INFINITY) });
+        }),
+        ("summary.normal_uncertainty_mean", |f| {
+            let mean = Some([f64::NAN; 3]);
+            f.summary = Some(Summary { points: 0, labelled: 0, planes: 0, normal_uncertainty_mean: mean });
+        }),
+        ("timings_seconds", |f| f.timings_seconds = Some(Timings { label: f64::NAN, ..Timings::default() })),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("planes.json");
+    for (field, spoil) in spoil {
+        let mut file = example();
+        spoil(&mut file);
+        let error = file.write(&path).unwrap_err();
+        assert!(matches!(&error.kind, WriteErrorKind::NotFinite { what, .. } if what == field), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[test]
+fn file_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("planes.json");
+    assert!(matches!(PlanesFile::open(&path), Err(FileError::Io { .. })));
+    example().write(&path).unwrap();
+    assert_eq!(PlanesFile::open(&path).unwrap(), example());
+    std::fs::write(&path, "{").unwrap();
+    let message = PlanesFile::open(&path).unwrap_err().to_string();
+    assert!(message.contains("planes.json") && message.contains("line 1"), "{message}");
+}
