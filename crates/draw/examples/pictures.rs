@@ -7,24 +7,28 @@ use terrace_synth::{Params, Scene, SceneKind};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     for kind in SceneKind::ALL {
-        let (views, cut): ([[f64; 2]; 2], _) = match kind {
-            SceneKind::Table => ([[-115.0, 10.0], [-20.0, 35.0]], f64::INFINITY),
-            SceneKind::Room => ([[-60.0, 52.0], [125.0, 52.0]], 2.3),
-            SceneKind::Corridor => ([[-120.0, 45.0], [-30.0, 45.0]], 2.2),
+        let views = match kind {
+            SceneKind::Table => [[-125.0, 30.0], [-60.0, 20.0]],
+            SceneKind::Room => [[-60.0, 48.0], [125.0, 48.0]],
+            SceneKind::Corridor => [[-120.0, 40.0], [-30.0, 40.0]],
         };
-        let cloud = Scene::new(kind).generate(&Params::default())?.merged();
+        let scans = Scene::new(kind).generate(&Params::default())?;
+        let cloud = scans.merged();
         let points = cloud.scan.points();
         let bounds = Bounds::of(points.iter().copied()).ok_or("no points")?;
         let mut pictures = Vec::new();
         for [azimuth, elevation] in views {
             let view = View::from_degrees(azimuth, elevation)?.with_perspective_degrees(35.0)?;
             let mut picture = CloudPicture::new(800, 640, view, bounds)?
-                .with_title(&format!("{kind} from azimuth {azimuth}°"))
-                .with_cut_above(cut);
+                .with_title(&format!("{kind} from azimuth {azimuth}°"));
             for (point, label) in points.iter().zip(&cloud.labels) {
-                picture.add(*point, label_colour(*label));
+                // What would be seen from behind is left out, so that one looks into rooms.
+                let plane = label.and_then(|id| scans.planes.get(id.index()));
+                if kind == SceneKind::Table || plane.is_none_or(|plane| view.faces(plane.plane.normal())) {
+                    picture.add(*point, label_colour(*label));
+                }
             }
-            pictures.push(picture.image()?);
+            pictures.push(picture.image());
         }
         if let [left, right] = pictures.as_slice() {
             let path = folder.join(format!("terrace-{kind}.png"));
@@ -34,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 
     let chart = staircase();
-    for (name, bytes) in [("svg", chart.svg(800, 480)?.into_bytes()), ("png", chart.png(800, 480)?)] {
+    for (name, bytes) in [("svg", chart.svg(1_600, 960)?.into_bytes()), ("png", chart.png(1_600, 960)?)] {
         let path = folder.join(format!("terrace-staircase.{name}"));
         std::fs::write(&path, bytes)?;
         println!("{}", path.display());
@@ -48,10 +52,11 @@ fn staircase() -> Staircase {
         [(0.0, 0.06, 1.9), (0.06, 0.14, 1.3), (0.14, 0.45, 0.42), (0.5, 0.72, 0.61), (0.72, 1.0, 1.12)]
             .map(|(low, high, value)| Step { low, high, value })
             .to_vec();
-    let first_in_step = |x: f64| steps.iter().any(|s| s.low <= x && x < s.low + 0.09);
+    // Of the samples on a step only the first was evaluated.
+    let mut visited = vec![false; steps.len()];
     let samples = (0..40).map(|k| (f64::from(k) * 0.618_034).fract()).filter_map(|x| {
-        let step = steps.iter().find(|s| s.low <= x && x < s.high)?;
-        Some(Sample { x, value: step.value, evaluated: first_in_step(x) })
+        let (step, visited) = steps.iter().zip(&mut visited).find(|(s, _)| s.low <= x && x < s.high)?;
+        Some(Sample { x, value: step.value, evaluated: !std::mem::replace(visited, true) })
     });
     Staircase {
         title: "cost of the threshold φ".into(),

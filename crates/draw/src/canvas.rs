@@ -30,6 +30,9 @@ pub trait Canvas {
 
     /// One line of text, centred vertically on its place; `size` is the height of capitals.
     fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: [u8; 3]);
+
+    /// How long a text of this size comes out, or about.
+    fn text_width(&self, text: &str, size: f64) -> f64;
 }
 
 pub(crate) fn finite(values: &[f64]) -> bool {

@@ -8,12 +8,13 @@ use crate::view::{Bounds, Projection, View};
 use crate::{shade, splat};
 
 /// What is seen through each pixel: how far away, in metres from an arbitrary zero, and in which colour.
-/// A depth of +∞ is background.
+/// A depth of +∞ is background. Single precision
+/// is enough: depths count from the centre of the bounds.
 #[derive(Debug, Clone)]
 pub(crate) struct DepthImage {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    pub(crate) depth: Vec<f64>,
+    pub(crate) depth: Vec<f32>,
     pub(crate) colour: Vec<[u8; 3]>,
 }
 
@@ -46,6 +47,9 @@ pub struct CloudPicture {
     title: String,
 }
 
+/// Pixels are made this many times finer than asked for and then averaged, which smooths borders.
+const FINER: usize = 2;
+
 /// Height of the title's letters and of the strip kept free for it, in pixels.
 const TITLE: [usize; 2] = [16, 36];
 
@@ -56,13 +60,8 @@ impl CloudPicture {
     /// [`DrawError::Size`] when a side is 0 or above [`MAX_SIDE`](crate::MAX_SIDE).
     pub fn new(width: usize, height: usize, view: View, bounds: Bounds) -> Result<Self, DrawError> {
         check_size(width, height)?;
-        let seen = DepthImage {
-            width,
-            height,
-            depth: vec![f64::INFINITY; width * height],
-            colour: vec![[0; 3]; width * height],
-        };
-        let projection = Projection::new(&view, &bounds, width, height, 0);
+        let seen = DepthImage::new(width * FINER, height * FINER);
+        let projection = Projection::new(&view, &bounds, seen.width, seen.height, 0);
         Ok(Self { seen, projection, view, bounds, cut: f64::INFINITY, title: String::new() })
     }
 
@@ -84,7 +83,7 @@ impl CloudPicture {
     }
 
     fn fit(&mut self) {
-        let top = if self.title.is_empty() { 0 } else { TITLE[1] };
+        let top = if self.title.is_empty() { 0 } else { TITLE[1] * FINER };
         let bounds = self.bounds.below(self.view.up(), self.cut);
         self.projection = Projection::new(&self.view, &bounds, self.seen.width, self.seen.height, top);
     }
@@ -98,6 +97,8 @@ impl CloudPicture {
         }
         let Some([x, y, depth]) = self.projection.project(point) else { return };
         let Some(at) = self.seen.index(x, y) else { return };
+        #[expect(clippy::cast_possible_truncation, reason = "depths are compared to a fraction of a pixel")]
+        let depth = depth as f32;
         if let (Some(nearest), Some(pixel)) = (self.seen.depth.get_mut(at), self.seen.colour.get_mut(at))
             && depth < *nearest
         {
@@ -107,19 +108,17 @@ impl CloudPicture {
     }
 
     /// The picture of the points so far.
-    ///
-    /// # Errors
-    /// None that depends on the points; the size was checked on construction.
-    pub fn image(&self) -> Result<Image, DrawError> {
-        let closed = splat::close(&self.seen);
-        let mut image = shade::shade(&closed, self.projection.pixel())?;
+    pub fn image(&self) -> Image {
+        let pixel = self.projection.pixel();
+        let closed = splat::close(&self.seen, shade::JUMP * pixel);
+        let mut image = shade::shade(&closed, pixel).coarser(FINER);
         if !self.title.is_empty() {
-            let middle = [self.seen.width as f64 / 2.0, (TITLE[1] / 2) as f64];
+            let middle = [image.width() as f64 / 2.0, (TITLE[1] / 2) as f64];
             let mut raster = Raster::on(image);
             raster.text(middle, &self.title, TITLE[0] as f64, Anchor::Middle, [40, 40, 40]);
             image = raster.into_image();
         }
-        Ok(image)
+        image
     }
 
     /// The picture of the points so far as the bytes of a PNG file.
@@ -127,11 +126,20 @@ impl CloudPicture {
     /// # Errors
     /// [`DrawError::Png`] when the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, DrawError> {
-        self.image()?.png()
+        self.image().png()
     }
 }
 
 impl DepthImage {
+    fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            depth: vec![f32::INFINITY; width * height],
+            colour: vec![[0; 3]; width * height],
+        }
+    }
+
     /// The pixel at these coordinates, with the centre of the first at (½, ½).
     #[expect(
         clippy::cast_possible_truncation,
@@ -144,7 +152,7 @@ impl DepthImage {
     }
 
     /// Depth of a pixel; `None` outside.
-    pub(crate) fn depth_at(&self, x: usize, y: usize) -> Option<f64> {
+    pub(crate) fn depth_at(&self, x: usize, y: usize) -> Option<f32> {
         if x < self.width { self.depth.get(y * self.width + x).copied() } else { None }
     }
 }

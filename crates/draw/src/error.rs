@@ -1,7 +1,7 @@
 //! Why no picture was made.
 
 /// The largest width and height of a picture, in pixels.
-pub const MAX_SIDE: usize = 16_384;
+pub const MAX_SIDE: usize = 8_192;
 
 /// Why no picture was made.
 #[derive(Debug, thiserror::Error)]

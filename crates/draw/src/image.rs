@@ -20,7 +20,12 @@ impl Image {
     /// [`DrawError::Size`] when a side is 0 or above [`MAX_SIDE`](crate::MAX_SIDE).
     pub fn new(width: usize, height: usize) -> Result<Self, DrawError> {
         check_size(width, height)?;
-        Ok(Self { width, height, pixels: vec![WHITE; width * height] })
+        Ok(Self::white(width, height))
+    }
+
+    /// A white picture of any size.
+    pub(crate) fn white(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![WHITE; width * height] }
     }
 
     /// Width in pixels.
@@ -53,6 +58,23 @@ impl Image {
                 *old = crate::palette::to_byte(mixed / 255.0);
             }
         }
+    }
+
+    /// The picture with every square of `n` × `n` pixels averaged into one; what is left over is dropped.
+    pub(crate) fn coarser(&self, n: usize) -> Self {
+        let mut coarse = Self::white(self.width / n, self.height / n);
+        let width = coarse.width;
+        for (at, pixel) in coarse.pixels.iter_mut().enumerate() {
+            let (left, top) = (at % width * n, at / width * n);
+            let mut sum = [0.0; 3];
+            for y in top..top + n {
+                for colour in &self.pixels[y * self.width + left..][..n] {
+                    sum = [0, 1, 2].map(|i| sum[i] + f64::from(colour[i]));
+                }
+            }
+            *pixel = sum.map(|s| crate::palette::to_byte(s / (n * n * 255) as f64));
+        }
+        coarse
     }
 
     /// Two pictures side by side, aligned at the top, on white.

@@ -107,9 +107,7 @@ impl Canvas for Raster {
         if !finite(&[at[0], at[1], size]) {
             return;
         }
-        // Dots are whole pixels: anything else blurs so small a font.
-        let dot = (size / font::HEIGHT as f64).round().max(1.0);
-        let width = (text.chars().count() * font::ADVANCE).saturating_sub(1) as f64 * dot;
+        let (dot, width) = (dot(size), self.text_width(text, size));
         let left = match anchor {
             Anchor::Start => at[0],
             Anchor::Middle => at[0] - width / 2.0,
@@ -126,4 +124,13 @@ impl Canvas for Raster {
             }
         }
     }
+
+    fn text_width(&self, text: &str, size: f64) -> f64 {
+        (text.chars().count() * font::ADVANCE).saturating_sub(1) as f64 * dot(size)
+    }
+}
+
+/// The side of a dot of the font: whole pixels, since anything else blurs so small a font.
+fn dot(size: f64) -> f64 {
+    (size / font::HEIGHT as f64).round().max(1.0)
 }

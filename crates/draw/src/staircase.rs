@@ -71,7 +71,10 @@ const KNOWN: [u8; 3] = [140, 146, 158];
 const BEST: [u8; 3] = [30, 140, 70];
 const WHITE: [u8; 3] = [255; 3];
 
-/// Height of capitals, in pixels: of the title and of all else.
+/// A chart is laid out on a sheet of this size and scaled to its canvas: all lengths below are in its units.
+const SHEET: [f64; 2] = [800.0, 480.0];
+
+/// Height of capitals: of the title and of all else.
 const TITLE: f64 = 14.0;
 const TEXT: f64 = 10.0;
 
@@ -119,10 +122,9 @@ impl Staircase {
             return Err(DrawError::Range { low, high });
         }
         let [width, height] = canvas.size();
-        let (left, right, top, bottom) = (76.0, width - 24.0, 66.0, height - 52.0);
-        // A sheet too small for its margins has a chart of no extent in the middle.
-        let [left, right] = if left < right { [left, right] } else { [width / 2.0; 2] };
-        let [top, bottom] = if top < bottom { [top, bottom] } else { [height / 2.0; 2] };
+        let unit = (width / SHEET[0]).min(height / SHEET[1]);
+        let (left, right, top, bottom) =
+            (76.0 * unit, width - 24.0 * unit, 66.0 * unit, height - 52.0 * unit);
         let steps: Vec<Step> = self.steps.iter().filter_map(|step| within(step, self.range)).collect();
         let samples: Vec<Sample> =
             self.samples.iter().copied().filter(|s| shown(s.x, s.value, self.range)).collect();
@@ -135,28 +137,19 @@ impl Staircase {
         let (least, most) = if least <= most { (least, most) } else { (0.0, 1.0) };
         let x = Axis::new(low, high, left, right);
         // Room below and above, so that no mark lies on the frame.
-        let y = Axis::new(
-            least,
-            most,
-            bottom - 14.0_f64.min((bottom - top) / 4.0),
-            top + 14.0_f64.min((bottom - top) / 4.0),
-        );
+        let y = Axis::new(least, most, bottom - 14.0 * unit, top + 14.0 * unit);
+        let pen = &mut Pen { canvas, unit };
 
-        self.frame(canvas, [left, top], [right, bottom], [&x, &y]);
+        self.frame(pen, [left, top], [right, bottom], [&x, &y]);
         for pair in steps.windows(2) {
             if let [a, b] = pair
                 && (b.low - a.high).abs() <= (high - low).abs() * 1e-9
             {
-                canvas.line(
-                    [x.place(b.low), y.place(a.value)],
-                    [x.place(b.low), y.place(b.value)],
-                    1.0,
-                    STEP,
-                );
+                pen.line([x.place(b.low), y.place(a.value)], [x.place(b.low), y.place(b.value)], 1.0, STEP);
             }
         }
         for step in &steps {
-            canvas.line(
+            pen.line(
                 [x.place(step.low), y.place(step.value)],
                 [x.place(step.high), y.place(step.value)],
                 2.5,
@@ -165,79 +158,104 @@ impl Staircase {
         }
         // Evaluated samples are the fewer and lie on top.
         for sample in samples.iter().filter(|s| !s.evaluated) {
-            ring(canvas, [x.place(sample.x), y.place(sample.value)], KNOWN);
+            pen.ring([x.place(sample.x), y.place(sample.value)]);
         }
         for sample in samples.iter().filter(|s| s.evaluated) {
-            canvas.disc([x.place(sample.x), y.place(sample.value)], 4.0, EVALUATED);
+            pen.disc([x.place(sample.x), y.place(sample.value)], 4.0, EVALUATED);
         }
         if let Some([at, value]) = best {
-            star(canvas, [x.place(at), y.place(value)]);
+            pen.star([x.place(at), y.place(value)]);
         }
-        self.legend(canvas, left, 46.0);
+        self.legend(pen, left, 46.0 * unit);
         Ok(())
     }
 
     /// Title, grid, ticks and labels of the axes.
     fn frame<C: Canvas>(
         &self,
-        canvas: &mut C,
+        pen: &mut Pen<'_, C>,
         [left, top]: [f64; 2],
         [right, bottom]: [f64; 2],
         axes: [&Axis; 2],
     ) {
-        let [x, y] = axes;
-        canvas.text([f64::midpoint(left, right), 20.0], &self.title, TITLE, Anchor::Middle, INK);
+        let ([x, y], unit) = (axes, pen.unit);
+        pen.text([f64::midpoint(left, right), 20.0 * unit], &self.title, TITLE, Anchor::Middle);
         for (value, label) in x.ticks(10) {
             let at = x.place(value);
-            canvas.line([at, top], [at, bottom], 1.0, GRID);
-            canvas.text([at, bottom + 14.0], &label, TEXT, Anchor::Middle, INK);
+            pen.line([at, top], [at, bottom], 1.0, GRID);
+            pen.text([at, bottom + 14.0 * unit], &label, TEXT, Anchor::Middle);
         }
         for (value, label) in y.ticks(7) {
             let at = y.place(value);
-            canvas.line([left, at], [right, at], 1.0, GRID);
-            canvas.text([left - 8.0, at], &label, TEXT, Anchor::End, INK);
+            pen.line([left, at], [right, at], 1.0, GRID);
+            pen.text([left - 8.0 * unit, at], &label, TEXT, Anchor::End);
         }
-        canvas.line([left, bottom], [right, bottom], 1.0, INK);
-        canvas.line([left, top], [left, bottom], 1.0, INK);
-        canvas.text([f64::midpoint(left, right), bottom + 36.0], &self.x_label, TEXT, Anchor::Middle, INK);
-        canvas.text([left, top - 12.0], &self.y_label, TEXT, Anchor::End, INK);
+        pen.line([left, bottom], [right, bottom], 1.0, INK);
+        pen.line([left, top], [left, bottom], 1.0, INK);
+        pen.text([f64::midpoint(left, right), bottom + 36.0 * unit], &self.x_label, TEXT, Anchor::Middle);
+        pen.text([left, top - 12.0 * unit], &self.y_label, TEXT, Anchor::End);
     }
 
     /// What the marks mean, those that occur.
-    fn legend<C: Canvas>(&self, canvas: &mut C, left: f64, at: f64) {
-        let mut place = left + 24.0;
-        let mut entry = |canvas: &mut C, text: &str, mark: &dyn Fn(&mut C, [f64; 2])| {
-            mark(canvas, [place, at]);
-            canvas.text([place + 14.0, at], text, TEXT, Anchor::Start, INK);
-            place += 40.0 + 6.5 * text.len() as f64;
+    fn legend<C: Canvas>(&self, pen: &mut Pen<'_, C>, left: f64, at: f64) {
+        let unit = pen.unit;
+        let mut place = left + 24.0 * unit;
+        let mut entry = |pen: &mut Pen<'_, C>, text: &str, mark: &dyn Fn(&mut Pen<'_, C>, [f64; 2])| {
+            mark(pen, [place, at]);
+            pen.text([place + 14.0 * unit, at], text, TEXT, Anchor::Start);
+            place += 44.0 * unit + pen.canvas.text_width(text, TEXT * unit);
         };
         if !self.steps.is_empty() {
-            entry(canvas, "cost, where known", &|c, [x, y]| c.line([x - 8.0, y], [x + 8.0, y], 2.5, STEP));
+            entry(pen, "cost, where known", &|p, [x, y]| {
+                p.line([x - 8.0 * unit, y], [x + 8.0 * unit, y], 2.5, STEP);
+            });
         }
         if self.samples.iter().any(|s| s.evaluated) {
-            entry(canvas, "evaluated", &|c, centre| c.disc(centre, 4.0, EVALUATED));
+            entry(pen, "evaluated", &|p, centre| p.disc(centre, 4.0, EVALUATED));
         }
         if self.samples.iter().any(|s| !s.evaluated) {
-            entry(canvas, "known from a step", &|c, centre| ring(c, centre, KNOWN));
+            entry(pen, "known from a step", &|p, centre| p.ring(centre));
         }
         if self.best.is_some() {
-            entry(canvas, "best", &star);
+            entry(pen, "best", &|p, centre| p.star(centre));
         }
     }
 }
 
-fn ring<C: Canvas>(canvas: &mut C, centre: [f64; 2], colour: [u8; 3]) {
-    canvas.disc(centre, 3.5, colour);
-    canvas.disc(centre, 2.0, WHITE);
+/// Draws with widths and sizes in units of the sheet.
+struct Pen<'a, C> {
+    canvas: &'a mut C,
+    unit: f64,
 }
 
-/// A ring around a point, with a cross through it.
-fn star<C: Canvas>(canvas: &mut C, [x, y]: [f64; 2]) {
-    for (dx, dy) in [(9.0, 0.0), (0.0, 9.0)] {
-        canvas.line([x - dx, y - dy], [x + dx, y + dy], 1.5, BEST);
+impl<C: Canvas> Pen<'_, C> {
+    fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, colour: [u8; 3]) {
+        self.canvas.line(from, to, width * self.unit, colour);
     }
-    canvas.disc([x, y], 6.0, BEST);
-    canvas.disc([x, y], 3.0, WHITE);
+
+    fn disc(&mut self, centre: [f64; 2], radius: f64, colour: [u8; 3]) {
+        self.canvas.disc(centre, radius * self.unit, colour);
+    }
+
+    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor) {
+        self.canvas.text(at, text, size * self.unit, anchor, INK);
+    }
+
+    /// The mark of a sample that needed no evaluation.
+    fn ring(&mut self, centre: [f64; 2]) {
+        self.disc(centre, 3.5, KNOWN);
+        self.disc(centre, 2.0, WHITE);
+    }
+
+    /// The mark of the best point: a ring on a cross.
+    fn star(&mut self, centre: [f64; 2]) {
+        let [x, y] = centre;
+        for [dx, dy] in [[9.0, 0.0], [0.0, 9.0]].map(|d| d.map(|d: f64| d * self.unit)) {
+            self.line([x - dx, y - dy], [x + dx, y + dy], 1.5, BEST);
+        }
+        self.disc(centre, 6.0, BEST);
+        self.disc(centre, 3.0, WHITE);
+    }
 }
 
 fn shown(x: f64, value: f64, [low, high]: [f64; 2]) -> bool {

@@ -102,6 +102,11 @@ impl Canvas for Svg {
             ));
         }
     }
+
+    fn text_width(&self, text: &str, size: f64) -> f64 {
+        // Letters of common sans-serif fonts are half an em wide on average; a little more keeps texts apart.
+        text.chars().count() as f64 * 0.54 * size / CAPITAL
+    }
 }
 
 fn hex([r, g, b]: [u8; 3]) -> String {

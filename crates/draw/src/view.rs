@@ -122,6 +122,23 @@ impl View {
         }
     }
 
+    /// Whether a surface with this normal faces the eye (for parallel rays; nearly so in perspective).
+    ///
+    /// A scan of a room is seen from outside as a box. With the points of those planes left out that do not face the eye,
+    /// their normals being turned to the sensor, it opens like a doll's house.
+    ///
+    /// ```
+    /// use terrace_draw::View;
+    ///
+    /// let from_above = View::from_degrees(30.0, 60.0)?;
+    /// assert!(from_above.faces([0.0, 0.0, 1.0]) && !from_above.faces([0.0, 0.0, -1.0]));
+    /// # Ok::<(), terrace_draw::DrawError>(())
+    /// ```
+    pub fn faces(&self, normal: [f64; 3]) -> bool {
+        let [_, _, toward_eye] = self.axes();
+        dot(normal, toward_eye) > 0.0
+    }
+
     pub(crate) fn up(&self) -> Vec3 {
         self.up
     }
@@ -175,22 +192,28 @@ impl Projection {
             let d = [0, 1, 2].map(|i| c[i] - centre[i]);
             axes.map(|axis| dot(axis, d))
         });
-        let room = [width as f64, height.saturating_sub(top).max(1) as f64].map(|side| side * FILL / 2.0);
-        let largest = |value: &dyn Fn(&Vec3) -> f64| corners.iter().map(value).fold(0.0, f64::max);
-        let (eye, extent) = match view.angle {
-            None => (None, [largest(&|c| c[0].abs()), largest(&|c| c[1].abs())]),
-            Some(angle) => {
-                // The eye is as near as it can be with every corner within the cone: |x| ≤ (eye − z) tan(angle / 2).
-                let tangent = (angle / 2.0).tan();
-                let eye = largest(&|c| c[2] + c[0].abs().max(c[1].abs()) / tangent).max(f64::MIN_POSITIVE);
-                let across = |i: usize| largest(&|c| c[i].abs() * eye / (eye - c[2]).max(eye * 1e-6));
-                (Some(eye), [across(0), across(1)])
-            }
+        let room = [width as f64, height.saturating_sub(top).max(1) as f64].map(|side| side * FILL);
+        let eye = view.angle.map(|angle| {
+            // The eye is as near as it can be with every corner within the cone: |x| ≤ (eye − z) tan(angle / 2).
+            let tangent = (angle / 2.0).tan();
+            corners
+                .iter()
+                .map(|c| c[2] + c[0].abs().max(c[1].abs()) / tangent)
+                .fold(f64::MIN_POSITIVE, f64::max)
+        });
+        // Where the corners appear at one pixel per metre; they are moved to the middle of the picture.
+        let span = |i: usize| {
+            let seen =
+                corners.iter().map(|c| c[i] * eye.map_or(1.0, |eye| eye / (eye - c[2]).max(eye * 1e-6)));
+            seen.fold([f64::MAX, -f64::MAX], |[low, high], x| [low.min(x), high.max(x)])
         };
-        let scale = (room[0] / extent[0]).min(room[1] / extent[1]);
+        let spans = [span(0), span(1)];
+        let scale = (room[0] / (spans[0][1] - spans[0][0])).min(room[1] / (spans[1][1] - spans[1][0]));
         // Bounds without extent, or with more than can be divided by, are drawn at one pixel per metre.
         let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
-        let middle = [width as f64 / 2.0, f64::midpoint(height as f64, top.min(height) as f64)];
+        let sheet = [width as f64 / 2.0, f64::midpoint(height as f64, top.min(height) as f64)];
+        let off = spans.map(|[low, high]| scale * f64::midpoint(low, high));
+        let middle = [sheet[0] - off[0], sheet[1] + off[1]];
         Self { centre, axes, eye, scale, middle }
     }
 
@@ -209,8 +232,9 @@ impl Projection {
     }
 
     /// Metres per pixel at the centre.
-    pub(crate) fn pixel(&self) -> f64 {
-        1.0 / self.scale
+    #[expect(clippy::cast_possible_truncation, reason = "a scale for shading")]
+    pub(crate) fn pixel(&self) -> f32 {
+        (1.0 / self.scale) as f32
     }
 }
 

@@ -53,7 +53,7 @@ impl Sensor {
             }
             Self::Lidar => {
                 // Few rays take fewer rings, so that the scan stays denser along the rings than across.
-                let rings = ((n as f64 / 8.0).sqrt() as usize).clamp(1, LIDAR_RINGS);
+                let rings = (n / 8).isqrt().clamp(1, LIDAR_RINGS);
                 let columns = n.div_ceil(rings);
                 let azimuth =
                     ((k / rings) as f64 + rng.random::<f64>()) / columns as f64 * std::f64::consts::TAU;
@@ -70,7 +70,7 @@ impl Sensor {
 /// The image has about ¾ as many rows as columns, and row r holds the rays from ⌈r n / rows⌉ on.
 fn camera_part(k: usize, n: usize, jitter: [f64; 2]) -> [f64; 2] {
     let (k, n) = (k as u64, n as u64);
-    let rows = ((n as f64 * 0.75).sqrt() as u64).max(1);
+    let rows = (n * 3 / 4).isqrt().max(1);
     let row = k * rows / n;
     let start = (row * n).div_ceil(rows);
     let end = ((row + 1) * n).div_ceil(rows);
@@ -90,7 +90,7 @@ pub(crate) fn look_at(position: Vec3, target: Vec3) -> [Vec3; 3] {
     look_along(sub(target, position))
 }
 
-/// The rows of R_z(yaw) R_y(pitch) R_x(roll), angles in radians.
+/// The rows of the rotation by `roll` about x, then `pitch` about y, then `yaw` about z, in radians.
 pub(crate) fn yaw_pitch_roll(yaw: f64, pitch: f64, roll: f64) -> [Vec3; 3] {
     let ((sy, cy), (sp, cp), (sr, cr)) = (yaw.sin_cos(), pitch.sin_cos(), roll.sin_cos());
     [

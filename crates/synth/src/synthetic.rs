@@ -65,7 +65,7 @@ impl Synthetic {
 )]
 pub(crate) fn scan(points: Vec<[f64; 3]>, sigmas: Vec<f64>, frame: Frame) -> Scan {
     let sigma = match sigmas.first() {
-        Some(first) if sigmas.iter().all(|s| s == first) => Sigma::Uniform(*first),
+        Some(first) if sigmas.iter().all(|s| s.to_bits() == first.to_bits()) => Sigma::Uniform(*first),
         _ => Sigma::PerPoint(sigmas),
     };
     Scan::new(points, sigma, frame).expect("generated errors fit generated points")
