@@ -1,4 +1,54 @@
-//! Readers and writers of scans, trajectories and plane maps.
+//! Readers and writers of scans, trajectories and plane maps: from what a user names on a command line to
+//! [`Scan`](terrace_types::Scan)s, and from planes to files.
+//!
+//! | read | by | notes |
+//! |---|---|---|
+//! | PLY | [`ply`] | ascii, both byte orders, extra and list properties |
+//! | PCD | [`pcd`] | ascii, binary, binary_compressed; VIEWPOINT |
+//! | XYZ, CSV and other text | [`text`] | columns by header or place |
+//! | NPY | [`npy`] | N×3 or H×W×3 points; labels |
+//! | 16-bit depth PNG | [`depth`] | with [`Intrinsics`] and raw units per metre; 0 and 65535 are no measurement |
+//! | TUM, KITTI, 4×4 matrices, `Open3D` log, NPY | [`trajectory`] | poses |
+//! | `planes.json` | [`planes_json`] | its fields are in `docs/planes-json.md` |
+//!
+//! | written | by |
+//! |---|---|
+//! | `planes.json` | [`planes_json::PlanesFile::write`] |
+//! | labels as int32 NPY | [`write_labels_npy`] |
+//! | points coloured by plane as binary PLY | [`write_labelled_ply`], with σ [`write_measured_ply`] |
+//!
+//! **Three levels.** [`find_sources`] turns files, folders and patterns into a list of scans with their poses;
+//! [`read_scan`] reads one of them, whatever its format; below are functions from bytes to a [`Cloud`], a [`DepthImage`]
+//! or a [`Trajectory`](trajectory::Trajectory), which open no file.
+//!
+//! ```no_run
+//! use terrace_io::{ErrorSource, NoiseModel, ReadOptions, find_sources, read_scan};
+//!
+//! let options = ReadOptions {
+//!     intrinsics: Some("585,585,320,240".parse()?),
+//!     errors: ErrorSource::Model(NoiseModel::Kinect),
+//!     ..ReadOptions::default()
+//! };
+//! // A folder of NAME.depth.png with NAME.pose.txt beside them.
+//! for source in find_sources(&["kitchen"], None)? {
+//!     let scan = read_scan(&source, &options)?;
+//!     println!("{}: {} points", source.path.display(), scan.present());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **Units and frames.** Metres and seconds. A scan keeps the frame of its file, see [`read_scan`].
+//!
+//! **Absent measurements** keep their place in a scan as NaN, so that one label per input point can be written.
+//!
+//! **Any bytes** may be given to the readers: damaged files are errors that name line, record or value, and memory stays
+//! within a stated multiple of the size of the file. [`WriteError`], [`ReadError`], [`SourceError`] and [`FileError`]
+//! name the file as well.
+//!
+//! **Outputs** are written aside and renamed into place by [`write_atomically`]: they are there whole, or not at all.
+//!
+//! **Limits.** A file is held in memory as a whole. No LAS, E57 or ROS bags: export them to PLY or PCD. One camera model:
+//! the pinhole without distortion.
 
 mod atomic;
 mod cloud;
@@ -34,3 +84,7 @@ pub use noise::NoiseModel;
 pub use ply_out::{LabelledPoint, MeasuredPoint, PlyExtent, write_labelled_ply, write_measured_ply};
 pub use read::{ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_scan};
 pub use source::{Source, SourceError, find_sources};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -15,7 +15,7 @@ pub const UNLABELLED: [u8; 3] = [128, 128, 128];
 /// use terrace_types::PlaneId;
 ///
 /// let colours: Vec<_> = (0..3).filter_map(PlaneId::from_index).map(palette::colour).collect();
-/// assert_eq!(colours, [[242, 97, 150], [92, 204, 64], [121, 97, 242]]);
+/// assert_eq!(colours, [[242, 97, 168], [54, 182, 217], [242, 231, 97]]);
 /// ```
 pub fn colour(plane: PlaneId) -> [u8; 3] {
     const GOLDEN_RATIO_CONJUGATE: f64 = 0.618_033_988_749_894_9;
