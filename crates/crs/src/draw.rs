@@ -1,0 +1,83 @@
+//! Random draws from the 64-bit words of a generator.
+//!
+//! Written out, since the sampling routines of `rand` may change their results between releases and a seed should
+//! give the same trace for as long as its generator gives the same words.
+
+use rand::Rng;
+
+use crate::Bounds;
+
+/// A place uniformly in the bounds.
+pub(crate) fn place(bounds: &Bounds, rng: &mut (impl Rng + ?Sized)) -> Vec<f64> {
+    // The product can round up past `hi` on the last bit.
+    bounds.axes().iter().map(|&(lo, hi)| (lo + (hi - lo) * unit(rng)).min(hi)).collect()
+}
+
+/// `count` different entries, uniformly drawn; all of them if there are no more. Leaves `order` permuted: the first
+/// steps of a Fisher-Yates shuffle, which may start from any order.
+pub(crate) fn subset<'o>(order: &'o mut [usize], count: usize, rng: &mut (impl Rng + ?Sized)) -> &'o [usize] {
+    let count = count.min(order.len());
+    for front in 0..count {
+        order.swap(front, front + below(order.len() - front, rng));
+    }
+    &order[..count]
+}
+
+/// A multiple of 2⁻⁵³ in [0, 1).
+fn unit(rng: &mut (impl Rng + ?Sized)) -> f64 {
+    (rng.next_u64() >> 11) as f64 * (f64::EPSILON / 2.0)
+}
+
+/// A whole number in [0, n), n > 0, by the high half of a product. Its bias, at most n / 2⁶⁴, is far below what any run can see.
+fn below(n: usize, rng: &mut (impl Rng + ?Sized)) -> usize {
+    let product = u128::from(rng.next_u64()) * n as u128;
+    // The high half is below n and so fits.
+    usize::try_from(product >> 64).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand::rngs::ChaCha8Rng;
+
+    use super::*;
+
+    #[test]
+    fn places_fill_the_bounds_and_stay_inside() {
+        let bounds = Bounds::new([(-1.0, 3.0), (0.1, 0.1), (0.0, f64::MAX)]).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let (mut lowest, mut highest) = (f64::MAX, f64::MIN);
+        for _ in 0..10_000 {
+            let x = place(&bounds, &mut rng);
+            assert!(bounds.contains(&x), "{x:?}");
+            lowest = lowest.min(x[0]);
+            highest = highest.max(x[0]);
+        }
+        assert!(lowest < -0.99 && highest > 2.99);
+    }
+
+    #[test]
+    fn each_pair_of_four_is_drawn_equally_often() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut order = [0, 1, 2, 3];
+        let mut seen = [[0_u32; 4]; 4];
+        for _ in 0..12_000 {
+            let drawn = subset(&mut order, 2, &mut rng);
+            seen[drawn[0]][drawn[1]] += 1;
+        }
+        for (i, row) in seen.iter().enumerate() {
+            for (j, &count) in row.iter().enumerate() {
+                // Twelve ordered pairs of expectation 1000, five standard deviations either way.
+                assert!(if i == j { count == 0 } else { count.abs_diff(1000) < 155 }, "{seen:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_subset_of_everything_or_more_is_a_permutation() {
+        let mut order = [0, 1, 2];
+        assert_eq!(subset(&mut order, 9, &mut ChaCha8Rng::seed_from_u64(2)).len(), 3);
+        order.sort_unstable();
+        assert_eq!(order, [0, 1, 2]);
+    }
+}

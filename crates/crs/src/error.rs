@@ -1,0 +1,85 @@
+//! Why a search gives no result.
+
+use thiserror::Error;
+
+use crate::CostError;
+
+/// Why a search gives no result. Positions and axes count from zero.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SearchError {
+    /// A population of zero has no best member.
+    #[error("the population is empty")]
+    EmptyPopulation,
+    /// A reflection needs a place to reflect and at least one to reflect it through.
+    #[error("a subset of {subset} is too small: a reflection needs at least 2 places")]
+    SubsetTooSmall {
+        /// The subset asked for.
+        subset: usize,
+    },
+    /// The subset is drawn without replacement and cannot exceed the population.
+    #[error("a subset of {subset} cannot be drawn from a population of {population}")]
+    SubsetTooLarge {
+        /// The subset asked for.
+        subset: usize,
+        /// The population.
+        population: usize,
+    },
+    /// The spread tolerance is negative or NaN.
+    #[error("the spread tolerance {spread:?} is not a number of at least 0")]
+    Spread {
+        /// The tolerance asked for.
+        spread: f64,
+    },
+    /// There are more start points than members: raise the population or leave it to the method.
+    #[error("{starts} start points do not fit a population of {population}")]
+    TooManyStarts {
+        /// The number of start points.
+        starts: usize,
+        /// The population.
+        population: usize,
+    },
+    /// A start point has another number of axes than the bounds.
+    #[error("start point {index} has {axes} coordinates, the bounds have {dimension} axes")]
+    StartDimension {
+        /// Which start point.
+        index: usize,
+        /// Its number of coordinates.
+        axes: usize,
+        /// The number of axes of the bounds.
+        dimension: usize,
+    },
+    /// A start point is NaN or outside the bounds.
+    #[error("start point {index} is outside the bounds on axis {axis}: {value:?} is not in [{lo:?}, {hi:?}]")]
+    StartOutside {
+        /// Which start point.
+        index: usize,
+        /// The first axis on which it is outside.
+        axis: usize,
+        /// Its coordinate there.
+        value: f64,
+        /// The lower bound there.
+        lo: f64,
+        /// The upper bound there.
+        hi: f64,
+    },
+    /// The cost is made for another number of axes.
+    #[error("the cost takes {cost} coordinates, the bounds have {bounds} axes")]
+    CostDimension {
+        /// The number of axes of the cost.
+        cost: usize,
+        /// The number of axes of the bounds.
+        bounds: usize,
+    },
+    /// The known steps are those of a cost with another number of axes.
+    #[error("the known steps have {steps} axes, the bounds have {bounds}")]
+    StepsDimension {
+        /// The number of axes of the known steps.
+        steps: usize,
+        /// The number of axes of the bounds.
+        bounds: usize,
+    },
+    /// The cost broke its contract.
+    #[error(transparent)]
+    Cost(#[from] CostError),
+}

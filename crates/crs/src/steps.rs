@@ -1,0 +1,203 @@
+//! What is already known about a cost.
+
+mod line;
+mod space;
+
+use thiserror::Error;
+
+use crate::{Bounds, Evaluation, Step};
+use line::Line;
+use space::Space;
+
+/// The known steps of one cost: look before you evaluate.
+///
+/// Searches fill it as they go ([`ControlledRandomSearch::minimise_with`]); what one search learnt serves the next
+/// one on the same cost.
+///
+/// # Borders
+///
+/// Look-up is exact: a step `[lo, hi)` answers at `lo` and not at `hi`, to the last bit. A value known at `x` alone
+/// answers at `x` alone. Zero and negative zero are one place.
+///
+/// # Overlap
+///
+/// A cost may report less than its true step, so steps may overlap; then their values must agree, as they do whenever
+/// the cost keeps its [contract](crate::Cost#contract). Disagreement is an error and leaves the store as it was. On a
+/// single axis, steps that overlap are kept as their union. Steps that only touch stay apart.
+///
+/// # Complexity
+///
+/// With *k* steps, points included: one axis, O(log *k*) to find and, amortised, to insert. Several axes of number
+/// *d*: O(*d* log *k*) among single points plus O(*d* *k*) among boxes.
+///
+/// # Examples
+///
+/// ```
+/// use terrace_crs::{Bounds, Evaluation, Steps};
+///
+/// let mut steps = Steps::new(&Bounds::interval(0.0, 10.0)?);
+/// steps.insert(&[2.5], &Evaluation::interval(7.0, 2.0..3.0))?;
+/// assert_eq!(steps.find(&[2.0]), Some(7.0));
+/// assert_eq!(steps.find(&[3.0]), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// [`ControlledRandomSearch::minimise_with`]: crate::ControlledRandomSearch::minimise_with
+#[derive(Debug, Clone)]
+pub struct Steps {
+    dimension: usize,
+    store: Store,
+}
+
+#[derive(Debug, Clone)]
+enum Store {
+    Line(Line),
+    Space(Space),
+}
+
+/// How a cost broke its [contract](crate::Cost#contract).
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CostError {
+    /// The value is NaN or infinite, which cannot be compared or averaged. A cost that means 'forbidden' can return
+    /// a large finite value.
+    #[error("the cost at x = {x:?} is {value:?}, not a finite number")]
+    NotFinite {
+        /// Where the cost was evaluated.
+        x: Vec<f64>,
+        /// What it returned.
+        value: f64,
+    },
+    /// The step is not around the place it was asked for, or has another number of axes.
+    #[error("the step of the cost at x = {x:?} does not contain x: {step}")]
+    StepWithoutX {
+        /// Where the cost was evaluated.
+        x: Vec<f64>,
+        /// The step it returned.
+        step: Step,
+    },
+    /// The step overlaps a known one of another value: one of the two is too large, or the cost is not a function
+    /// of `x` alone.
+    #[error("the cost at x = {x:?} is {} on {}, but was {} on {}", new.value, new.step, known.value, known.step)]
+    Disagreement {
+        /// Where the cost was evaluated.
+        x: Vec<f64>,
+        /// What it returned.
+        new: Box<Evaluation>,
+        /// What was known before; a single place is written as the smallest box around it.
+        known: Box<Evaluation>,
+    },
+    /// The place itself is not one of this store: it has NaN or infinite coordinates or another number of axes.
+    #[error("x = {x:?} is not a place with {dimension} finite coordinates")]
+    NoPlace {
+        /// The place.
+        x: Vec<f64>,
+        /// The number of axes of the store.
+        dimension: usize,
+    },
+}
+
+impl Steps {
+    /// An empty store for costs with as many axes as `bounds`. Steps may reach beyond the bounds.
+    pub fn new(bounds: &Bounds) -> Self {
+        let dimension = bounds.dimension();
+        let store =
+            if dimension == 1 { Store::Line(Line::default()) } else { Store::Space(Space::new(dimension)) };
+        Self { dimension, store }
+    }
+
+    /// The number of axes.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The number of known steps, single points included.
+    pub fn len(&self) -> usize {
+        match &self.store {
+            Store::Line(line) => line.len(),
+            Store::Space(space) => space.len(),
+        }
+    }
+
+    /// Whether nothing is known yet.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value at `x`, if it is known. Nothing is known of NaN or of another number of axes.
+    pub fn find(&self, x: &[f64]) -> Option<f64> {
+        match &self.store {
+            Store::Line(line) => line.find(x).map(|(_, run)| run.value),
+            Store::Space(space) => space.find(x),
+        }
+    }
+
+    /// The value at `x` and the step around `x` on which it is known, if any.
+    ///
+    /// When several known boxes overlap at `x`, the earliest inserted one answers.
+    pub fn step_at(&self, x: &[f64]) -> Option<Evaluation> {
+        match &self.store {
+            Store::Line(line) => line.find(x).map(|(lo, run)| run.evaluation(lo)),
+            Store::Space(space) => space.step_at(x),
+        }
+    }
+
+    /// Learns that the cost was evaluated at `x` with this answer.
+    ///
+    /// # Errors
+    ///
+    /// A [`CostError`]; the store is then unchanged.
+    pub fn insert(&mut self, x: &[f64], evaluation: &Evaluation) -> Result<(), CostError> {
+        let Evaluation { value, step } = evaluation;
+        if x.len() != self.dimension || !x.iter().all(|v| v.is_finite()) {
+            return Err(CostError::NoPlace { x: x.to_vec(), dimension: self.dimension });
+        }
+        if !value.is_finite() {
+            return Err(CostError::NotFinite { x: x.to_vec(), value: *value });
+        }
+        if !step.contains(x, x) {
+            return Err(CostError::StepWithoutX { x: x.to_vec(), step: step.clone() });
+        }
+        let conflict = match &mut self.store {
+            Store::Line(line) => line.insert(x, evaluation),
+            Store::Space(space) => space.insert(x, evaluation),
+        };
+        conflict.map_or(Ok(()), |known| {
+            Err(CostError::Disagreement {
+                x: x.to_vec(),
+                new: Box::new(evaluation.clone()),
+                known: Box::new(known),
+            })
+        })
+    }
+}
+
+/// A number ordered by value, usable as a key: never NaN, and zero without its sign.
+#[derive(Debug, Clone, Copy)]
+struct Key(f64);
+
+impl Key {
+    fn new(x: f64) -> Self {
+        Self(x + 0.0)
+    }
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}

@@ -1,0 +1,320 @@
+//! Searches and known steps against brute force on random staircases.
+
+// Results are exact here; a test has no caller to report to.
+#![allow(clippy::float_cmp, clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::SliceRandom;
+use terrace_crs::{
+    Bounds, ControlledRandomSearch, Cost, Evaluation, Minimum, Source, Step, Steps, StopReason, Stopping,
+};
+
+/// What a staircase tells of its steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Tells {
+    All,
+    /// Less than the step: at most this far from x.
+    Near(f64),
+    Nothing,
+    /// All of it in the lower half of the first axis, nothing above.
+    Half,
+}
+
+/// A cost on [0, 1]^d that is constant on every cell between cuts.
+#[derive(Debug, Clone)]
+struct Staircase {
+    cuts: Vec<Vec<f64>>,
+    values: Vec<f64>,
+    tells: Tells,
+}
+
+impl Staircase {
+    /// The cell around x: its number and its box.
+    fn cell(&self, x: &[f64]) -> (usize, Vec<f64>, Vec<f64>) {
+        let (mut cell, mut lo, mut hi) = (0, Vec::new(), Vec::new());
+        for (cuts, &x) in self.cuts.iter().zip(x) {
+            let below = cuts.iter().filter(|&&cut| cut <= x).count();
+            cell = cell * (cuts.len() + 1) + below;
+            lo.push(if below == 0 { f64::NEG_INFINITY } else { cuts[below - 1] });
+            hi.push(cuts.get(below).copied().unwrap_or(f64::INFINITY));
+        }
+        (cell, lo, hi)
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        self.values[self.cell(x).0]
+    }
+
+    fn cells(&self) -> usize {
+        self.cuts.iter().map(|cuts| cuts.len() + 1).product()
+    }
+
+    fn lowest(&self) -> f64 {
+        // Cuts are inside (0, 1), so that the search can stand on every cell.
+        self.values[..self.cells()].iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::new(vec![(0.0, 1.0); self.cuts.len()]).unwrap()
+    }
+
+    fn answer(&self, x: &[f64]) -> Evaluation {
+        let (cell, mut lo, mut hi) = self.cell(x);
+        if let Tells::Near(reach) = self.tells {
+            for (axis, &x) in x.iter().enumerate() {
+                lo[axis] = lo[axis].max(x - reach);
+                hi[axis] = hi[axis].min(x + reach);
+            }
+        }
+        let nothing = self.tells == Tells::Nothing || self.tells == Tells::Half && x[0] > 0.5;
+        let step = if nothing { Step::Point } else { Step::Box { lo, hi } };
+        Evaluation { value: self.values[cell], step }
+    }
+}
+
+/// Fails when it is asked where it has answered already.
+struct AskedOnce<'a> {
+    staircase: &'a Staircase,
+    answers: Vec<(Vec<f64>, Step)>,
+}
+
+impl Cost for AskedOnce<'_> {
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        for (origin, step) in &self.answers {
+            assert!(!step.contains(origin, x), "asked at {x:?}, known on {step} since {origin:?}");
+        }
+        let answer = self.staircase.answer(x);
+        self.answers.push((x.to_vec(), answer.step.clone()));
+        answer
+    }
+}
+
+fn tells() -> impl Strategy<Value = Tells> {
+    prop_oneof![
+        Just(Tells::All),
+        (0.001..0.3_f64).prop_map(Tells::Near),
+        Just(Tells::Nothing),
+        Just(Tells::Half)
+    ]
+}
+
+/// Few different values make ties; many make a rugged staircase.
+fn values(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    prop_oneof![
+        prop::collection::vec((0..4).prop_map(f64::from), count),
+        prop::collection::vec(-1e3..1e3_f64, count)
+    ]
+}
+
+fn staircase() -> impl Strategy<Value = Staircase> {
+    // Cuts on a coarse raster coincide with start points and with each other's sums.
+    let cut = prop_oneof![1e-9..1.0_f64, (1..16).prop_map(|i| f64::from(i) / 16.0)];
+    let axis = |most| {
+        prop::collection::vec(cut.clone(), 0..most).prop_map(|mut cuts| {
+            cuts.sort_by(f64::total_cmp);
+            cuts.dedup();
+            cuts
+        })
+    };
+    let cuts = prop_oneof![
+        prop::collection::vec(axis(40), 1),
+        prop::collection::vec(axis(8), 2),
+        prop::collection::vec(axis(4), 3)
+    ];
+    (cuts, values(81), tells()).prop_map(|(cuts, values, tells)| Staircase { cuts, values, tells })
+}
+
+fn search() -> impl Strategy<Value = ControlledRandomSearch> {
+    let spread = prop_oneof![Just(None), Just(Some(0.0)), (0.0..100.0_f64).prop_map(Some)];
+    let population = prop_oneof![
+        Just((None, None)),
+        (2..30_usize).prop_flat_map(|n| (Just(Some(n)), (2..=n).prop_map(Some)))
+    ];
+    (population, 0..400_usize, spread).prop_map(|((population, subset), rounds, spread)| {
+        let stopping = Stopping { rounds: Some(rounds), spread };
+        ControlledRandomSearch { population, subset, stopping, ..ControlledRandomSearch::default() }
+    })
+}
+
+fn run(search: &ControlledRandomSearch, staircase: &Staircase, seed: u64) -> Minimum {
+    let mut cost = AskedOnce { staircase, answers: Vec::new() };
+    search.minimise(&mut cost, &staircase.bounds(), &mut ChaCha8Rng::seed_from_u64(seed)).unwrap()
+}
+
+/// Places of interest: the borders of a step and their neighbours, kept finite.
+fn around(step: &Step, x: &[f64]) -> Vec<Vec<f64>> {
+    let Step::Box { lo, hi } = step else { return vec![x.to_vec()] };
+    let ends = |axis: usize| {
+        let (lo, hi) = (lo[axis].max(-9.0), hi[axis].min(9.0));
+        [lo, lo.next_down(), hi, hi.next_down(), x[axis]]
+    };
+    (0..x.len())
+        .flat_map(|axis| {
+            ends(axis).map(|end| {
+                let mut place = x.to_vec();
+                place[axis] = end;
+                place
+            })
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn the_result_is_true_and_the_best_that_was_seen(s in staircase(), c in search(), seed: u64) {
+        let minimum = run(&c, &s, seed);
+        prop_assert!(s.bounds().contains(&minimum.x));
+        prop_assert_eq!(minimum.value, s.value(&minimum.x));
+        prop_assert!(minimum.value >= s.lowest());
+        let first = minimum.trace.iter().find(|trial| trial.value <= minimum.value);
+        prop_assert_eq!(first.map(|trial| &trial.x), Some(&minimum.x), "the earlier found wins");
+        prop_assert!(minimum.trace.iter().all(|trial| trial.value >= minimum.value));
+    }
+
+    #[test]
+    fn the_reported_step_holds_the_value_to_its_borders(s in staircase(), c in search(), seed: u64) {
+        let minimum = run(&c, &s, seed);
+        prop_assert!(minimum.step.contains(&minimum.x, &minimum.x));
+        for place in around(&minimum.step, &minimum.x) {
+            if minimum.step.contains(&minimum.x, &place) {
+                prop_assert_eq!(s.value(&place), minimum.value);
+            }
+        }
+    }
+
+    #[test]
+    fn the_trace_is_true_and_its_counts_add_up(s in staircase(), c in search(), seed: u64) {
+        let minimum = run(&c, &s, seed);
+        prop_assert_eq!(minimum.calls, minimum.trace.len());
+        let evaluated = minimum.trace.iter().filter(|trial| trial.source == Source::Evaluated).count();
+        prop_assert_eq!(minimum.evaluations, evaluated);
+        prop_assert!(minimum.evaluations <= minimum.calls);
+        if s.tells == Tells::All {
+            prop_assert!(minimum.evaluations <= s.cells());
+        }
+        for trial in &minimum.trace {
+            prop_assert!(s.bounds().contains(&trial.x));
+            prop_assert_eq!(trial.value, s.value(&trial.x));
+        }
+    }
+
+    #[test]
+    fn the_trace_replays_the_rules(s in staircase(), c in search(), seed: u64) {
+        let minimum = run(&c, &s, seed);
+        let (first, later): (Vec<_>, Vec<_>) = minimum.trace.iter().partition(|trial| trial.round == 0);
+        prop_assert!(first.iter().all(|trial| trial.accepted));
+        prop_assert_eq!(first.len(), c.population.unwrap_or(10 * (s.cuts.len() + 3)));
+        // The population in the order found, so that the last of the largest is the one to go.
+        let mut population: Vec<(&[f64], f64)> = first.iter().map(|trial| (&*trial.x, trial.value)).collect();
+        let largest = |p: &[(&[f64], f64)]| p.iter().map(|(_, value)| *value).fold(f64::MIN, f64::max);
+        let mut round = 0;
+        for trial in later {
+            prop_assert!(trial.round > round && trial.round <= minimum.rounds);
+            round = trial.round;
+            let most = largest(&population);
+            prop_assert_eq!(trial.accepted, trial.value < most);
+            if trial.accepted {
+                let worst = population.iter().rposition(|(_, value)| *value == most).unwrap();
+                population.remove(worst);
+                population.push((&trial.x, trial.value));
+            }
+        }
+        let spread = largest(&population) - minimum.value;
+        match minimum.stop {
+            StopReason::Rounds => prop_assert_eq!(Some(minimum.rounds), c.stopping.rounds),
+            StopReason::Spread => prop_assert!(Some(spread) <= c.stopping.spread),
+            StopReason::OneStep => {
+                prop_assert_eq!(spread, 0.0);
+                // Members on one known step share a cell.
+                let cell = s.cell(&minimum.x).0;
+                prop_assert!(population.iter().all(|(x, _)| s.cell(x).0 == cell));
+            }
+            other => prop_assert!(false, "unexpected {other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_trace(s in staircase(), c in search(), seed: u64) {
+        prop_assert_eq!(run(&c, &s, seed), run(&c, &s, seed));
+    }
+
+    #[test]
+    fn knowing_steps_changes_the_price_and_not_the_way(s in staircase(), c in search(), seed: u64) {
+        let ignorant = Staircase { tells: Tells::Nothing, ..s.clone() };
+        let (known, unknown) = (run(&c, &s, seed), run(&c, &ignorant, seed));
+        prop_assert!(known.evaluations <= unknown.evaluations);
+        // A population on one step ends the search early; up to there both ask the same.
+        for (a, b) in known.trace.iter().zip(&unknown.trace) {
+            prop_assert_eq!((&a.x, a.value, a.accepted), (&b.x, b.value, b.accepted));
+        }
+    }
+
+    #[test]
+    fn steps_know_what_was_inserted_and_nothing_else_in_any_order(
+        s in staircase(),
+        places in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 3), 1..30),
+        order: u64,
+    ) {
+        let axes = s.cuts.len();
+        let mut answers: Vec<(Vec<f64>, Evaluation)> =
+            places.iter().map(|x| (x[..axes].to_vec(), s.answer(&x[..axes]))).collect();
+        let fill = |answers: &[(Vec<f64>, Evaluation)]| {
+            let mut steps = Steps::new(&s.bounds());
+            for (x, answer) in answers {
+                steps.insert(x, answer).unwrap();
+            }
+            steps
+        };
+        let steps = fill(&answers);
+        let probes: Vec<Vec<f64>> =
+            answers.iter().flat_map(|(x, answer)| around(&answer.step, x)).chain(places.iter().map(|x| x[..axes].iter().rev().copied().collect())).collect();
+        let brute = |x: &[f64]| {
+            answers.iter().find(|(origin, a)| a.step.contains(origin, x)).map(|(_, a)| a.value)
+        };
+        for x in &probes {
+            prop_assert_eq!(steps.find(x), brute(x), "at {:?}", x);
+            let at = steps.step_at(x);
+            prop_assert_eq!(at.as_ref().map(|e| e.value), brute(x));
+            prop_assert!(at.is_none_or(|e| e.step.contains(x, x)));
+        }
+        let known: Vec<Option<f64>> = probes.iter().map(|x| steps.find(x)).collect();
+        answers.shuffle(&mut ChaCha8Rng::seed_from_u64(order));
+        let shuffled = fill(&answers);
+        prop_assert_eq!(probes.iter().map(|x| shuffled.find(x)).collect::<Vec<_>>(), known);
+    }
+
+    #[test]
+    fn borders_are_exact(lo in -1e6..1e6_f64, width in 1e-6..1e6_f64, part in 0.0..1.0_f64, axes in 1..4_usize) {
+        let hi = lo + width;
+        let x = (lo + part * width).clamp(lo, hi.next_down());
+        let mut steps = Steps::new(&Bounds::new(vec![(-1e9, 1e9); axes]).unwrap());
+        let step = Step::Box { lo: vec![lo; axes], hi: vec![hi; axes] };
+        steps.insert(&vec![x; axes], &Evaluation { value: 5.0, step }).unwrap();
+        for axis in 0..axes {
+            for (at, known) in [(lo, true), (lo.next_down(), false), (hi.next_down(), true), (hi, false)] {
+                let mut place = vec![x; axes];
+                place[axis] = at;
+                prop_assert_eq!(steps.find(&place), known.then_some(5.0), "at {:?}", place);
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_point_knows_no_neighbour(x in prop::collection::vec(any::<f64>().prop_filter("finite", |x| x.is_finite()), 1..4)) {
+        let mut steps = Steps::new(&Bounds::new(vec![(0.0, 1.0); x.len()]).unwrap());
+        steps.insert(&x, &Evaluation::point(1.0)).unwrap();
+        prop_assert_eq!(steps.find(&x), Some(1.0));
+        prop_assert_eq!(steps.step_at(&x), Some(Evaluation::point(1.0)));
+        for axis in 0..x.len() {
+            for near in [x[axis].next_down(), x[axis].next_up()] {
+                let mut place = x.clone();
+                place[axis] = near;
+                prop_assert_eq!(steps.find(&place), None);
+            }
+        }
+    }
+}
