@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(unpack(&[1, b'a', b'b', 3 << 5, 1], 7), Ok(b"abababa".to_vec()));
         // "z", then the longest copy there is: 264 bytes from 1 back.
         assert_eq!(unpack(&[0, b'z', 0xe0, 255, 0], 265), Ok(vec![b'z'; 265]));
-        // As liblzf 3.6 packs "aaaaaaaaaaaaaaaaaaaa".
+        // Two literals, a copy of 17 with its length in two bytes, and a literal.
         assert_eq!(unpack(&[1, 97, 97, 224, 8, 0, 0, 97], 20), Ok(vec![b'a'; 20]));
         // The farthest copy: 3 bytes from 8192 back.
         let mut stream = Vec::new();
@@ -177,13 +177,14 @@ mod tests {
                 input[start..].iter().zip(&input[at..]).take(264).take_while(|(a, b)| a == b).count()
             };
             let best = (at.saturating_sub(8192)..at).map(|s| (matched(s), s)).max().unwrap_or((0, 0));
-            let (length, distance) = (best.0, at - best.1 - 1);
+            let length = best.0;
             if length < 3 {
                 literal.push(input[at]);
                 at += 1;
                 continue;
             }
             flush(&mut stream, &mut literal);
+            let distance = at - best.1 - 1;
             let high = (distance >> 8) as u8;
             match length - 2 {
                 short @ ..7 => stream.push((short as u8) << 5 | high),
