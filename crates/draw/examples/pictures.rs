@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     for kind in SceneKind::ALL {
         let views = match kind {
-            SceneKind::Table => [[-125.0, 30.0], [-60.0, 20.0]],
+            SceneKind::Table => [[-115.0, 25.0], [-75.0, 35.0]],
             SceneKind::Room => [[-60.0, 48.0], [125.0, 48.0]],
             SceneKind::Corridor => [[-120.0, 40.0], [-30.0, 40.0]],
         };

@@ -59,7 +59,10 @@ impl Axis {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 5")]
 fn label(value: f64, step: f64) -> String {
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };
-    if value != 0.0 && !(1e-4..1e6).contains(&value.abs().max(step)) {
+    if !(1e-4..1e6).contains(&value.abs().max(step)) {
+        if value == 0.0 {
+            return "0".to_owned();
+        }
         // Two digits beyond the step's place tell neighbours apart.
         let digits = (value.abs() / step).log10().ceil().clamp(0.0, 5.0) as usize;
         return format!("{value:.digits$e}");
@@ -80,10 +83,7 @@ mod tests {
     fn ticks_are_round() {
         assert_eq!(labels(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(-3.0, 11.0), ["0", "5", "10"]);
-        assert_eq!(
-            labels(0.0, 3e-9),
-            ["0", "1e-9", "2e-9", "3e-9"].map(|s| if s == "0" { "0.00000" } else { s })
-        );
+        assert_eq!(labels(0.0, 3e-9), ["0", "5e-10", "1.0e-9", "1.5e-9", "2.0e-9", "2.5e-9", "3.0e-9"]);
         assert_eq!(labels(0.12, 0.121), ["0.1200", "0.1202", "0.1204", "0.1206", "0.1208", "0.1210"]);
     }
 

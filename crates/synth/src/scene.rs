@@ -198,3 +198,76 @@ fn compose(a: &Pose, b: &Pose) -> Result<Pose, SynthError> {
     let rows = [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]);
     Ok(Pose::new(rows, a.transform(b.translation()))?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Shape;
+    use crate::vector::{length, sub, unit};
+    use proptest::prelude::*;
+
+    /// Distance of a point from the surface that the shape lies in, its borders left aside.
+    fn off_surface(shape: &Shape, point: [f64; 3]) -> f64 {
+        match shape {
+            Shape::Rectangle(r) if r.covers(point) => {
+                crate::vector::dot(sub(point, r.corner()), r.normal()).abs()
+            }
+            Shape::Rectangle(_) => f64::INFINITY,
+            Shape::Sphere(s) => (length(sub(point, s.centre)) - s.radius).abs(),
+            Shape::Cylinder(c) => c.off_side(point),
+        }
+    }
+
+    proptest! {
+        // Brute force: along the ray up to the hit, every surface is evaluated at many places. None may be crossed
+        // before the hit, and at the hit there is one.
+        #[test]
+        fn rays_end_on_the_nearest_surface(
+            room: bool, view in 0..14_usize, direction in prop::array::uniform3(-1.0..1.0_f64)
+        ) {
+            prop_assume!(length(direction) > 0.1);
+            let scene = if room { Scene::room() } else { Scene::corridor() };
+            let origin = scene.views[view].in_building.translation();
+            let ray = Ray { origin, direction: unit(direction) };
+            let hit = scene.cast(&ray).unwrap();
+            let end = ray.at(hit.distance);
+            prop_assert!(scene.surfaces.iter().any(|s| s.plane == hit.plane && off_surface(&s.shape, end) < 1e-9));
+            let step = 0.002;
+            let mut place = step;
+            while place < hit.distance - step {
+                for surface in &scene.surfaces {
+                    // A rectangle is crossed between two places on different sides; curved surfaces are at least as
+                    // thick as many steps unless they are only grazed.
+                    if let Shape::Rectangle(r) = &surface.shape {
+                        let side = |t: f64| crate::vector::dot(sub(ray.at(t), r.corner()), r.normal());
+                        let (a, b) = (side(place), side(place + step));
+                        let crossed = a * b < 0.0 && r.covers(ray.at(place + step * a / (a - b)));
+                        prop_assert!(!crossed, "{place} before {}", hit.distance);
+                    } else {
+                        prop_assert!(!surface.shape.encloses(ray.at(place), 1e-6), "{place} before {}", hit.distance);
+                    }
+                }
+                place += step;
+            }
+        }
+    }
+
+    #[test]
+    fn buildings_are_closed() {
+        for scene in [Scene::room(), Scene::corridor()] {
+            for view in &scene.views {
+                for k in 0..2_000 {
+                    // Directions on a spiral over the sphere.
+                    let z = (f64::from(k) + 0.5) / 1_000.0 - 1.0;
+                    let (sin, cos) = (f64::from(k) * 2.4).sin_cos();
+                    let across = (1.0 - z * z).sqrt();
+                    let ray = Ray {
+                        origin: view.in_building.translation(),
+                        direction: [across * cos, across * sin, z],
+                    };
+                    assert!(scene.cast(&ray).is_some());
+                }
+            }
+        }
+    }
+}

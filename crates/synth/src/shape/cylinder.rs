@@ -33,6 +33,27 @@ impl Cylinder {
         let c = (dot(o_across, o_across) - self.radius * self.radius) / a;
         first_root(b, c, |t| (0.0..=self.height).contains(&(o_along + t * d_along)))
     }
+
+    /// Height above the base and distance from the axis.
+    #[cfg(test)]
+    pub(super) fn along_and_across(&self, point: Vec3) -> [f64; 2] {
+        let p = sub(point, self.base);
+        let along = dot(p, self.axis);
+        [along, length(add_scaled(p, -along, self.axis))]
+    }
+
+    /// Distance from the side, which is endless here.
+    #[cfg(test)]
+    pub(crate) fn off_side(&self, point: Vec3) -> f64 {
+        (self.along_and_across(point)[1] - self.radius).abs()
+    }
+
+    /// Whether the point lies inside by more than a margin.
+    #[cfg(test)]
+    pub(super) fn encloses(&self, point: Vec3, margin: f64) -> bool {
+        let [along, across] = self.along_and_across(point);
+        along > margin && along < self.height - margin && across < self.radius - margin
+    }
 }
 
 #[cfg(test)]
@@ -50,7 +71,7 @@ mod tests {
         assert_eq!(cylinder.intersect(&Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }), None);
         // Over the near rim onto the inner side.
         let s = std::f64::consts::FRAC_1_SQRT_2;
-        let over = cylinder.intersect(&Ray { origin: [-1.0, 0.0, 3.5], direction: [s, 0.0, -s] });
+        let over = cylinder.intersect(&Ray { origin: [-1.0, 0.0, 3.7], direction: [s, 0.0, -s] });
         assert!((over.unwrap() - 1.5 / s).abs() < 1e-12);
     }
 }

@@ -43,6 +43,16 @@ impl Shape {
             Self::Cylinder(shape) => shape.intersect(ray),
         }
     }
+
+    /// Whether a curved shape has the point inside it by more than a margin.
+    #[cfg(test)]
+    pub(crate) fn encloses(&self, point: Vec3, margin: f64) -> bool {
+        match self {
+            Self::Rectangle(_) => false,
+            Self::Sphere(s) => crate::vector::length(crate::vector::sub(point, s.centre)) < s.radius - margin,
+            Self::Cylinder(shape) => shape.encloses(point, margin),
+        }
+    }
 }
 
 /// The smaller root of t² + 2 b t + c beyond [`NEAREST`] that `accept` takes, or else the larger one.
