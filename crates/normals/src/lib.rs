@@ -1,1 +1,52 @@
-//! Least-squares planes of uncertain points with the uncertainty of their normals, and a symmetric 3x3 eigen-solver
+//! Least-squares planes of uncertain points, with the uncertainty of their normals.
+//!
+//! * [`fit_plane`] and [`fit_centres`]: the plane of least squares through summed statistics, or through the centres of
+//!   cells.
+//! * [`estimate`]: the normal of a neighbourhood of cells *and* how far it may turn (Definition 3 of "An Optimization
+//!   Approach for 3D Environment Mapping using Normal Vector Uncertainty"): the min-max uncertainty.
+//! * [`symmetric_eigen`] and [`symmetric_eigen_batch`]: eigenvalues and eigenvectors of symmetric 3×3 matrices by
+//!   Jacobi rotations, the solver under all of it.
+//! * [`towards`]: turns a normal to the sensor.
+//!
+//! ```
+//! use terrace_normals::{Degenerate, FitTo, estimate};
+//! use terrace_stats::{Stats, UncertainVector};
+//!
+//! // Nine cells of a table top at z = 0.7 m, one point each, known to 1 cm.
+//! let cells: Vec<Stats> = (0..9)
+//!     .map(|i| {
+//!         let centre = [0.1 * f64::from(i % 3), 0.1 * f64::from(i / 3), 0.7];
+//!         let mut cell = Stats::new(centre);
+//!         cell.push(&UncertainVector::isotropic(centre, 0.01));
+//!         cell
+//!     })
+//!     .collect();
+//! let normal = estimate(&cells, FitTo::Centres)?;
+//! assert!((normal.fit.normal[2].abs() - 1.0).abs() < 1e-12);
+//! // Errors of 1 cm on both edges, 20 cm apart, can turn it by about 0.1.
+//! assert!((0.05..0.2).contains(&normal.uncertainty[0]));
+//!
+//! // Cells in a row have no normal, and the reason is given.
+//! assert!(matches!(estimate(&cells[..3], FitTo::Centres), Err(Degenerate::Collinear { .. })));
+//! # Ok::<(), terrace_normals::Degenerate>(())
+//! ```
+//!
+//! # Accuracy
+//! Fits are relative to a local anchor, so their accuracy does not depend on the distance from the origin. The
+//! eigen-solver is accurate to a few units in the last place of the largest eigenvalue; tests hold it against faer.
+//!
+//! # Absence and panics
+//! A neighbourhood that determines no plane gives [`Degenerate`] with the reason, never an invented normal. Nothing
+//! panics; input that is not finite is [`Degenerate::NotFinite`].
+
+mod degenerate;
+mod eigen;
+mod fit;
+mod minmax;
+mod orient;
+
+pub use degenerate::Degenerate;
+pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};
+pub use fit::{PlaneFit, fit_centres, fit_plane};
+pub use minmax::{FitTo, UncertainNormal, estimate};
+pub use orient::{canonical, towards};

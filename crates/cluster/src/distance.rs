@@ -1,0 +1,35 @@
+//! How far the orientation of a node is from that of a cluster.
+
+use terrace_stats::{Moments, UncertainVector};
+
+/// The expected orientation distance `D = ½ E‖n − n_C‖²` of an uncertain unit normal `n` from the uncertain mean normal
+/// `n_C` of a cluster, by Eq. (3) from the cluster's statistics. `None` for an empty cluster.
+///
+/// A normal and its opposite mean the same plane: the sign of `n` is chosen so that `n · L ≥ 0`.
+///
+/// Without errors, and for a cluster of one direction, `D = 1 − cos` of the angle between them: 0 for parallel, 1 for
+/// perpendicular. Errors add to it, half their squares.
+///
+/// ```
+/// use terrace_cluster::orientation_distance;
+/// use terrace_stats::{Moments, UncertainVector};
+///
+/// let mut cluster = Moments::default();
+/// cluster.push(&UncertainVector::exact([0.0, 0.0, 1.0]));
+/// let at = |degrees: f64| UncertainVector::exact([degrees.to_radians().sin(), 0.0, degrees.to_radians().cos()]);
+/// let d = |degrees| orientation_distance(&at(degrees), &cluster).unwrap();
+/// assert!((d(60.0) - 0.5).abs() < 1e-15);
+/// assert!((d(180.0)).abs() < 1e-15);
+/// ```
+#[inline]
+pub fn orientation_distance(normal: &UncertainVector, cluster: &Moments) -> Option<f64> {
+    cluster.expected_squared_distance(&aligned(normal, cluster)).map(|squared| 0.5 * squared)
+}
+
+/// The normal with the sign that agrees with the cluster.
+#[inline]
+pub(crate) fn aligned(normal: &UncertainVector, cluster: &Moments) -> UncertainVector {
+    let sum = cluster.sum();
+    let along: f64 = (0..3).map(|i| normal.value[i] * sum[i]).sum();
+    if along < 0.0 { normal.flipped() } else { *normal }
+}

@@ -1,0 +1,57 @@
+//! What a grid refuses.
+
+use crate::MAX_INDEX;
+
+/// Why a grid could not be made, or a point or another grid not be added.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum GridError {
+    /// The edge of a voxel must be a positive, finite number of metres that is not subnormal.
+    #[error("the cell size {size} m is not a positive, finite length")]
+    CellSize {
+        /// The size as given.
+        size: f64,
+    },
+    /// A coordinate is NaN or infinite. Leave absent measurements out.
+    #[error("the point ({}, {}, {}) is not finite", position[0], position[1], position[2])]
+    PointNotFinite {
+        /// The point as given.
+        position: [f64; 3],
+    },
+    /// The point is too many voxels away from the origin. Coordinates or cell size may be in the wrong unit.
+    #[error(
+        "the point ({}, {}, {}) is further than {MAX_INDEX} cells of {size} m from the origin",
+        position[0], position[1], position[2]
+    )]
+    OutOfRange {
+        /// The point as given.
+        position: [f64; 3],
+        /// The edge of a voxel.
+        size: f64,
+    },
+    /// A standard error is NaN, infinite or negative.
+    #[error("the standard error ({}, {}, {}) is not finite and at least 0", error[0], error[1], error[2])]
+    StandardError {
+        /// The error as given.
+        error: [f64; 3],
+    },
+    /// A weight must be positive and finite.
+    #[error("the weight {weight} is not positive and finite")]
+    Weight {
+        /// The weight as given.
+        weight: f64,
+    },
+    /// The grid holds as many cells as it can number.
+    #[error("the grid is full at {cells} cells; use larger cells or several grids")]
+    Full {
+        /// Number of cells held.
+        cells: usize,
+    },
+    /// Only grids with the same cell size can be merged.
+    #[error("a grid of {theirs} m cells cannot be merged into one of {ours} m cells")]
+    SizesDiffer {
+        /// The cell size of the grid merged into.
+        ours: f64,
+        /// The cell size of the other grid.
+        theirs: f64,
+    },
+}

@@ -1,0 +1,40 @@
+//! Voxel indices and the cell size.
+
+use crate::GridError;
+
+/// Index of a voxel along x, y and z: the point `p` lies in the voxel `floor(p / size)`.
+pub type VoxelKey = [i32; 3];
+
+/// Largest voxel index, in absolute value, along each axis: a billion. Enough for one centimetre cells at ten million
+/// metres from the origin, with room for neighbours.
+pub const MAX_INDEX: i32 = 1_000_000_000;
+
+/// Whether `size` can be the edge of a voxel: positive, finite and not subnormal.
+///
+/// # Errors
+/// [`GridError::CellSize`] otherwise.
+pub fn validate_cell_size(size: f64) -> Result<f64, GridError> {
+    if size.is_normal() && size > 0.0 { Ok(size) } else { Err(GridError::CellSize { size }) }
+}
+
+/// The voxel of a position.
+#[inline]
+pub(crate) fn key_of(position: [f64; 3], size: f64) -> Result<VoxelKey, GridError> {
+    let index = position.map(|x| (x / size).floor());
+    if index.iter().all(|i| i.abs() <= f64::from(MAX_INDEX)) {
+        // In range by the test above, so nothing is cut off.
+        #[allow(clippy::cast_possible_truncation)]
+        return Ok(index.map(|i| i as i32));
+    }
+    if position.iter().all(|x| x.is_finite()) {
+        Err(GridError::OutOfRange { position, size })
+    } else {
+        Err(GridError::PointNotFinite { position })
+    }
+}
+
+/// The centre of a voxel, in metres.
+#[inline]
+pub(crate) fn centre_of(key: VoxelKey, size: f64) -> [f64; 3] {
+    key.map(|k| (f64::from(k) + 0.5) * size)
+}
