@@ -4,7 +4,7 @@
 //! | read | by | notes |
 //! |---|---|---|
 //! | PLY | [`ply`] | ascii, both byte orders, extra and list properties |
-//! | PCD | [`pcd`] | ascii, binary, binary_compressed; VIEWPOINT |
+//! | PCD | [`pcd`] | ascii, binary and compressed; VIEWPOINT |
 //! | XYZ, CSV and other text | [`text`] | columns by header or place |
 //! | NPY | [`npy`] | N×3 or H×W×3 points; labels |
 //! | 16-bit depth PNG | [`depth`] | with [`Intrinsics`] and raw units per metre; 0 and 65535 are no measurement |

@@ -27,10 +27,6 @@ impl PlyExtent {
             largest: p.iter().fold(extent.largest, |m, x| m.max(x.abs())),
         })
     }
-
-    fn scalar(self) -> &'static str {
-        if self.largest >= DOUBLE_FROM { "double" } else { "float" }
-    }
 }
 
 /// A point of a result.
@@ -100,7 +96,8 @@ fn write(
     sigma_property: &str,
     points: impl Iterator<Item = ([f64; 3], Option<PlaneId>, Option<f64>)>,
 ) -> Result<(), WriteErrorKind> {
-    let (expected, scalar) = (extent.points, extent.scalar());
+    let (expected, double) = (extent.points, extent.largest >= DOUBLE_FROM);
+    let scalar = if double { "double" } else { "float" };
     write!(
         out,
         "ply\nformat binary_little_endian 1.0\ncomment terrace: lengths in metres, label 0 is no plane\n\
@@ -109,6 +106,7 @@ fn write(
          property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int label\nend_header\n"
     )?;
     let mut found = 0;
+    let mut record = Vec::with_capacity(40);
     for (position, plane, sigma) in points {
         found += 1;
         if found > expected {
@@ -119,17 +117,18 @@ fn write(
                 return Err(WriteErrorKind::NotFinite { what: format!("point {}", found - 1), value });
             }
         }
+        record.clear();
         for value in position {
-            match scalar {
-                "double" => out.write_all(&value.to_le_bytes())?,
-                _ => out.write_all(&single(value).to_le_bytes())?,
+            if double {
+                record.extend(value.to_le_bytes());
+            } else {
+                record.extend(single(value).to_le_bytes());
             }
         }
-        if let Some(sigma) = sigma {
-            out.write_all(&single(sigma).to_le_bytes())?;
-        }
-        out.write_all(&palette::colour_of(plane))?;
-        out.write_all(&PlaneId::label(plane).to_le_bytes())?;
+        record.extend(sigma.iter().flat_map(|s| single(*s).to_le_bytes()));
+        record.extend(palette::colour_of(plane));
+        record.extend(PlaneId::label(plane).to_le_bytes());
+        out.write_all(&record)?;
     }
     if found == expected { Ok(()) } else { Err(WriteErrorKind::Count { expected, found }) }
 }

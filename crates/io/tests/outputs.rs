@@ -1,4 +1,10 @@
 //! What is written is there whole, or not at all, and the readers of this crate read it back.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may fail, and compares exactly"
+)]
 
 use std::io::Write;
 use std::path::Path;
@@ -23,7 +29,7 @@ proptest! {
         let path = folder.path().join("labels.npy");
         write_labels_npy(&path, labels.iter().map(|l| PlaneId::new(*l)), labels.len() as u64).unwrap();
         let back = npy::read_labels(&std::fs::read(&path).unwrap()).unwrap();
-        prop_assert_eq!(back, labels.iter().map(|l| *l as i32).collect::<Vec<_>>());
+        prop_assert_eq!(back, labels.iter().map(|l| l.cast_signed()).collect::<Vec<_>>());
     }
 
     #[test]

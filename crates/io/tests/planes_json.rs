@@ -1,4 +1,10 @@
 //! `planes.json` there and back, and files that are none.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may fail, and compares exactly"
+)]
 
 use proptest::option;
 use proptest::prelude::*;
@@ -114,9 +120,11 @@ fn truncated_at_every_byte() {
     }
 }
 
+type Spoil = fn(&mut PlanesFile);
+
 #[test]
 fn nan_and_infinity_are_refused_by_name() {
-    let spoil: [(&str, fn(&mut PlanesFile)); 8] = [
+    let spoil: [(&str, Spoil); 8] = [
         ("planes[0].coefficients", |f| f.planes[0].coefficients[3] = f64::NAN),
         ("planes[0].centroid", |f| f.planes[0].centroid = Some([f64::INFINITY; 3])),
         ("planes[0].normal_uncertainty", |f| f.planes[0].normal_uncertainty = Some([f64::NAN; 3])),

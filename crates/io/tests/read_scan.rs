@@ -1,4 +1,10 @@
 //! From a file to a scan: format, errors, frame, and what cannot be read.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may fail, and compares exactly"
+)]
 
 mod common;
 
@@ -199,7 +205,8 @@ fn spacing_of_one_point_equal_points_and_a_grid() {
     let spacing = |text: &str| look(&files, "a.xyz", text, &ReadOptions::default()).unwrap().spacing;
     assert_eq!(spacing("1 2 3\n"), None);
     assert_eq!(spacing(&"1 2 3\n".repeat(50)), None);
-    let grid: String = (0..80 * 80).map(|i| format!("{} {} 7\n", f64::from(i % 80) * 0.5, i / 80)).collect();
+    let line = |i: u32| format!("{} {} 7\n", f64::from(i % 80) * 0.5, i / 80);
+    let grid = (0..80 * 80).map(line).collect::<Vec<_>>().concat();
     assert_eq!(spacing(&grid), Some(0.5));
     // Twice the same scan has the spacing of one.
     assert_eq!(spacing(&(grid.clone() + &grid)), Some(0.5));

@@ -1,5 +1,11 @@
 //! Scans of real sensors, and simulated ones with truth. They do not come with the repository: each test passes with a
 //! message when its files are absent.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may fail, and compares exactly"
+)]
 
 mod common;
 

@@ -1,4 +1,10 @@
 //! Trajectories: every kind there and back, and files that are none.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may fail, and compares exactly"
+)]
 
 mod common;
 

@@ -95,8 +95,7 @@ impl<'a> Rows<'a> {
 
 /// The text before a `#` that starts it or follows a space; within a word, as in `-1.#IND`, it is no comment.
 fn without_comment(text: &str) -> &str {
-    let starts = |(at, _): &(usize, &str)| {
-        text.get(..*at).is_none_or(|t| t.trim_end().len() < t.len() || t.is_empty())
-    };
-    text.match_indices('#').find(starts).and_then(|(at, _)| text.get(..at)).unwrap_or(text)
+    let before = |(at, _)| text.get(..at).unwrap_or_default();
+    let mut comments = text.match_indices('#').map(before);
+    comments.find(|before| before.is_empty() || before.ends_with(char::is_whitespace)).unwrap_or(text)
 }
