@@ -50,7 +50,7 @@ fn benches(c: &mut Criterion) {
     group.bench_function("TUM poses", |b| b.iter(|| trajectory::read(black_box(tum.as_bytes())).unwrap()));
     group.throughput(Throughput::Elements(extent.points));
     group.bench_function("coloured PLY", |b| {
-        b.iter(|| write_labelled_ply(&path, extent, labelled()).unwrap())
+        b.iter(|| write_labelled_ply(&path, extent, labelled()).unwrap());
     });
     group.finish();
 }
