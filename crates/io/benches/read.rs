@@ -1,5 +1,7 @@
 //! A million points read from memory.
 
+#![allow(clippy::cast_possible_truncation)]
+
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -41,7 +43,10 @@ fn read(c: &mut Criterion) {
     let body = coordinates();
     let choice = FieldChoice::Automatic;
     let mut group = c.benchmark_group("read a million points");
-    group.sample_size(20).measurement_time(Duration::from_secs(3)).throughput(Throughput::Elements(POINTS as u64));
+    group
+        .sample_size(20)
+        .measurement_time(Duration::from_secs(3))
+        .throughput(Throughput::Elements(POINTS as u64));
     let file = ply_file(&body);
     group.bench_function("PLY binary", |b| b.iter(|| ply::read(black_box(&file), &choice)));
     let file = pcd_file("binary", &body);

@@ -120,7 +120,9 @@ pub enum PcdError {
         stride: usize,
     },
     /// The header promises more than the file has. It was cut, or the count is wrong.
-    #[error("{points} points of {stride} bytes from byte {offset} on do not fit the {present} bytes that are there")]
+    #[error(
+        "{points} points of {stride} bytes from byte {offset} on do not fit the {present} bytes that are there"
+    )]
     Truncated {
         /// Number of points in the header.
         points: u64,

@@ -101,7 +101,9 @@ pub enum PlyError {
         present: usize,
     },
     /// The file ends within a record with lists, or before it.
-    #[error("the file ends in record {record} of the element `{element}`, in property `{property}` at byte {offset}")]
+    #[error(
+        "the file ends in record {record} of the element `{element}`, in property `{property}` at byte {offset}"
+    )]
     TruncatedRecord {
         /// Name of the element.
         element: String,
@@ -113,7 +115,9 @@ pub enum PlyError {
         offset: usize,
     },
     /// The length of a list is negative.
-    #[error("record {record} of the element `{element}` has a list `{property}` of length {length} at byte {offset}")]
+    #[error(
+        "record {record} of the element `{element}` has a list `{property}` of length {length} at byte {offset}"
+    )]
     ListLength {
         /// Name of the element.
         element: String,
@@ -170,7 +174,8 @@ pub enum PlyError {
 /// [`PlyError`] when the file is not a whole PLY file with points, or has no field for the errors that were asked for.
 pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, PlyError> {
     let header = header::parse(bytes)?;
-    let vertex = header.elements.iter().position(|element| element.name == "vertex").ok_or(PlyError::NoVertices)?;
+    let vertex =
+        header.elements.iter().position(|element| element.name == "vertex").ok_or(PlyError::NoVertices)?;
     let properties = header.elements.get(vertex).map(|element| &element.properties[..]).unwrap_or_default();
     let names: Vec<&str> = properties.iter().map(|property| property.name.as_str()).collect();
     let wanted = Wanted::find(&names, errors_from)

@@ -119,7 +119,9 @@ pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, TextError>
             row(layout, line, content)?;
             continue;
         }
-        if announced.is_none() && let Some(count) = whole(content, line)? {
+        if announced.is_none()
+            && let Some(count) = whole(content, line)?
+        {
             announced = Some((line, count));
             continue;
         }
@@ -130,7 +132,9 @@ pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, TextError>
         layout = Some(found);
     }
     let (points, sigma) = layout.map(|layout| layout.rows.finish()).unwrap_or_default();
-    if let Some((line, announced)) = announced.filter(|(_, count)| usize::try_from(*count) != Ok(points.len())) {
+    if let Some((line, announced)) =
+        announced.filter(|(_, count)| usize::try_from(*count) != Ok(points.len()))
+    {
         return Err(TextError::Count { line, announced, found: points.len() });
     }
     if points.is_empty() {

@@ -1,5 +1,8 @@
 //! Damaged files of every format: an error, never a panic.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
 mod formats_support;
 
 use formats_support::{Format, Good, good_files, same};

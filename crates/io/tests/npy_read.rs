@@ -1,5 +1,8 @@
 //! NPY arrays of every type, order and shape read to exact values, and bad ones to the right error.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
 mod formats_support;
 
 use formats_support::{npy_bytes, same};
@@ -38,9 +41,8 @@ fn points_of_every_layout() {
 fn organised_clouds_row_by_row() {
     // 2 rows of 3 points; number k of point (i, j) is 100 i + 10 j + k.
     let at = |i: usize, j: usize, k: usize| (100 * i + 10 * j + k) as f32;
-    let expected: Vec<[f64; 3]> = (0..2)
-        .flat_map(|i| (0..3).map(move |j| [0, 1, 2].map(|k| f64::from(at(i, j, k)))))
-        .collect();
+    let expected: Vec<[f64; 3]> =
+        (0..2).flat_map(|i| (0..3).map(move |j| [0, 1, 2].map(|k| f64::from(at(i, j, k))))).collect();
     let c: Vec<f32> = (0..18).map(|n| at(n / 9, n / 3 % 3, n % 3)).collect();
     let fortran: Vec<f32> = (0..18).map(|n| at(n % 2, n / 2 % 3, n / 6)).collect();
     assert_eq!(npy::read(&npy_bytes("<f4", false, "(2, 3, 3)", &f32s(&c))).unwrap().points, expected);
@@ -64,7 +66,10 @@ fn labels_of_every_width() {
     assert_eq!(read("<u4", &too_large), Err(NpyError::Label { point: 1, value: 1 << 31 }));
     assert_eq!(read("<u8", &[0xff; 8]), Err(NpyError::Label { point: 0, value: i128::from(u64::MAX) }));
     assert!(matches!(read("<f4", &[0; 8]), Err(NpyError::Type { .. })));
-    assert_eq!(npy::read_labels(&npy_bytes("|i1", true, "(2, 3)", &[0, 3, 1, 4, 2, 5])), Ok(vec![0, 1, 2, 3, 4, 5]));
+    assert_eq!(
+        npy::read_labels(&npy_bytes("|i1", true, "(2, 3)", &[0, 3, 1, 4, 2, 5])),
+        Ok(vec![0, 1, 2, 3, 4, 5])
+    );
 }
 
 #[test]
@@ -73,12 +78,17 @@ fn one_number_per_point() {
     assert_eq!(npy::read_scalars(&file), Ok(vec![0.5, 0.25, 0.125]));
     let file = npy_bytes("<f4", true, "(2, 2)", &f32s(&[1.0, 3.0, 2.0, 4.0]));
     assert_eq!(npy::read_scalars(&file), Ok(vec![1.0, 2.0, 3.0, 4.0]));
-    assert!(matches!(npy::read_scalars(&npy_bytes("<i4", false, "(3,)", &[0; 12])), Err(NpyError::Type { .. })));
+    assert!(matches!(
+        npy::read_scalars(&npy_bytes("<i4", false, "(3,)", &[0; 12])),
+        Err(NpyError::Type { .. })
+    ));
 }
 
 #[test]
 fn other_shapes_and_types_are_named() {
-    let message = |descr: &str, shape: &str| npy::read(&npy_bytes(descr, false, shape, &[0; 96])).unwrap_err().to_string();
+    let message = |descr: &str, shape: &str| {
+        npy::read(&npy_bytes(descr, false, shape, &[0; 96])).unwrap_err().to_string()
+    };
     assert_eq!(message("<f4", "(4, 4)"), "the shape of the array is [4, 4] instead of (N, 3) or (H, W, 3)");
     assert_eq!(message("<f4", "(3,)"), "the shape of the array is [3] instead of (N, 3) or (H, W, 3)");
     assert_eq!(message("<f4", "()"), "the shape of the array is [] instead of (N, 3) or (H, W, 3)");

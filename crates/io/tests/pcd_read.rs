@@ -1,8 +1,13 @@
 //! PCD files of every variant read to exact values, and bad ones to the right error.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
 mod formats_support;
 
-use formats_support::{Column, PCD_DATA, PcdData, Type, columns, packed, pcd_bytes, plain_columns, rows, same};
+use formats_support::{
+    Column, PCD_DATA, PcdData, Type, columns, packed, pcd_bytes, plain_columns, rows, same,
+};
 use proptest::prelude::*;
 use terrace_io::pcd::{self, LzfError, PcdError};
 use terrace_io::{Cloud, FieldChoice};
@@ -85,7 +90,8 @@ fn viewpoints() {
     for line in ["VIEWPOINT nan 0 0 1 0 0 0", "VIEWPOINT 0 0 0 inf 0 0 0"] {
         assert!(matches!(viewpoint(line), Err(PcdError::Viewpoint { line: 8, .. })), "{line}");
     }
-    for line in ["VIEWPOINT", "VIEWPOINT 0 0 0 1 0 0", "VIEWPOINT 0 0 0 1 0 0 0 0", "VIEWPOINT 0 0 0 a 0 0 0"] {
+    for line in ["VIEWPOINT", "VIEWPOINT 0 0 0 1 0 0", "VIEWPOINT 0 0 0 1 0 0 0 0", "VIEWPOINT 0 0 0 a 0 0 0"]
+    {
         assert!(matches!(viewpoint(line), Err(PcdError::Header { line: 8, .. })), "{line}");
     }
 }
@@ -158,8 +164,14 @@ fn count_times_stride_overflow() {
 
 #[test]
 fn negative_counts() {
-    for line in ["POINTS -1", "POINTS 1\nWIDTH -1", "POINTS 1\nSIZE 4 4 -4", "POINTS 1\nCOUNT 1 1 -1", "POINTS", "POINTS 1 1"]
-    {
+    for line in [
+        "POINTS -1",
+        "POINTS 1\nWIDTH -1",
+        "POINTS 1\nSIZE 4 4 -4",
+        "POINTS 1\nCOUNT 1 1 -1",
+        "POINTS",
+        "POINTS 1 1",
+    ] {
         let error = read(&with_lines(&format!("{XYZ}\n{line}"), "binary", &[0; 24])).unwrap_err();
         assert!(matches!(error, PcdError::Header { .. }), "{line}: {error}");
     }
@@ -183,7 +195,9 @@ fn unknown_fields_and_types() {
     assert_eq!(message("FIELDS x y z\nSIZE 4 4\nPOINTS 1", "ascii"), "`SIZE` has 2 entries for 3 fields");
     assert_eq!(message("POINTS 1", "ascii"), "the header has no `FIELDS` line");
     assert_eq!(message("FIELDS x y z", "ascii"), "the header has no `POINTS` line");
-    assert!(message(XYZ, "zip").starts_with("line 7: expected `DATA` with ascii, binary or binary_compressed"));
+    assert!(
+        message(XYZ, "zip").starts_with("line 7: expected `DATA` with ascii, binary or binary_compressed")
+    );
     assert!(message("FILEDS x y z", "ascii").starts_with("line 3: expected a key"));
 }
 

@@ -1,5 +1,8 @@
 //! PLY files of every variant read to exact values, and bad ones to the right error.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
 mod formats_support;
 
 use formats_support::{
@@ -49,7 +52,8 @@ fn no_vertices_is_an_empty_cloud() {
 
 #[test]
 fn big_endian_literal() {
-    let mut file = format!("ply\nformat binary_big_endian 1.0\nelement vertex 1\n{XYZ}end_header\n").into_bytes();
+    let mut file =
+        format!("ply\nformat binary_big_endian 1.0\nelement vertex 1\n{XYZ}end_header\n").into_bytes();
     file.extend([0x3f, 0x80, 0, 0, 0xc0, 0x20, 0, 0, 0x7f, 0xc0, 0, 0]);
     let cloud = read(&file).unwrap();
     assert_eq!(cloud.points[0][..2], [1.0, -2.5]);
@@ -193,9 +197,9 @@ fn bytes_that_look_like_line_ends_start_the_body() {
 }
 
 fn extras() -> impl Strategy<Value = PlyExtras> {
-    (0_usize..6, 0_usize..6, any::<bool>(), any::<bool>()).prop_map(|(faces_before, faces_after, list, crlf)| {
-        PlyExtras { faces_before, faces_after, list, crlf }
-    })
+    (0_usize..6, 0_usize..6, any::<bool>(), any::<bool>()).prop_map(
+        |(faces_before, faces_after, list, crlf)| PlyExtras { faces_before, faces_after, list, crlf },
+    )
 }
 
 proptest! {

@@ -1,5 +1,8 @@
 //! Text files of every kind read to exact values, and bad ones to the right error.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
 mod formats_support;
 
 use formats_support::same;
@@ -63,7 +66,10 @@ fn standard_errors_by_choice() {
     assert_eq!(sigma(&FieldChoice::Ignore), Ok(Sigma::Unknown));
     assert_eq!(sigma(&FieldChoice::Named("e".into())), Ok(Sigma::PerPoint(vec![0.4])));
     let missing = sigma(&FieldChoice::Named("E".into())).unwrap_err().to_string();
-    assert_eq!(missing, "line 1: there is no column `E`; the columns are: x, y, z, sigma_x, Sigma_Y, sigma_z, e");
+    assert_eq!(
+        missing,
+        "line 1: there is no column `E`; the columns are: x, y, z, sigma_x, Sigma_Y, sigma_z, e"
+    );
     assert_eq!(read("# x y z sigma\n1 2 3 0.5\n").unwrap().sigma, Sigma::PerPoint(vec![0.5]));
     // Without names the fourth column is not taken for an error.
     assert_eq!(read("1 2 3 0.5\n").unwrap().sigma, Sigma::Unknown);
@@ -80,7 +86,10 @@ fn lines_that_are_no_points() {
     assert_eq!(message("1,,3\n"), "line 1: `` is not a number");
     assert_eq!(message("1,2,\n"), "line 1 has 2 columns instead of 3");
     assert_eq!(message("x,y,z\n1,2,3\n1 2 3\n"), "line 3: `1 2 3` is not a number");
-    assert_eq!(message("x,y,height\n1,2,3\n"), "line 1: there is no column `z`; the columns are: x, y, height");
+    assert_eq!(
+        message("x,y,height\n1,2,3\n"),
+        "line 1: there is no column `z`; the columns are: x, y, height"
+    );
     assert_eq!(message("1 \u{e9} 3\n"), "line 1: `\u{e9}` is not a number");
 }
 
@@ -94,7 +103,10 @@ fn decimal_commas() {
         ("1 2 3\n1 2,5 3\n", "2,5"),
     ] {
         let error = read(file).unwrap_err();
-        assert!(matches!(&error, TextError::DecimalComma { token: t, .. } if t == token), "{file:?}: {error}");
+        assert!(
+            matches!(&error, TextError::DecimalComma { token: t, .. } if t == token),
+            "{file:?}: {error}"
+        );
     }
 }
 
@@ -110,7 +122,10 @@ fn empty_and_header_only() {
 fn the_number_of_points_is_held_against_them() {
     assert_eq!(message("3\n1 2 3\n4 5 6\n"), "line 1 announces 3 points, but there are 2");
     assert_eq!(message("# few\n1\n1 2 3\n4 5 6\n"), "line 2 announces 1 points, but there are 2");
-    assert_eq!(message("18446744073709551615\n1 2 3\n"), "line 1 announces 18446744073709551615 points, but there are 1");
+    assert_eq!(
+        message("18446744073709551615\n1 2 3\n"),
+        "line 1 announces 18446744073709551615 points, but there are 1"
+    );
     assert_eq!(message("18446744073709551616\n1 2 3\n"), "line 1: `18446744073709551616` is not a number");
     assert_eq!(message("-1\n1 2 3\n"), "line 1 has 1 columns instead of 3");
     assert_eq!(message("2\n2\n"), "line 2 has 1 columns instead of 3");

@@ -85,7 +85,8 @@ impl Wanted {
 /// The names, comma-separated, and not more than fit a message.
 fn listed(names: &[&str]) -> String {
     const MOST: usize = 20;
-    let mut list = names.iter().take(MOST).map(|name| super::lines::shown(name.as_bytes())).collect::<Vec<_>>();
+    let mut list =
+        names.iter().take(MOST).map(|name| super::lines::shown(name.as_bytes())).collect::<Vec<_>>();
     if names.len() > MOST {
         list.push(format!("and {} more", names.len() - MOST));
     }
@@ -110,7 +111,13 @@ impl Rows {
             SigmaFields::One(_) => Sigma::PerPoint(Vec::with_capacity(capacity)),
             SigmaFields::PerAxis(_) => Sigma::PerAxis(Vec::with_capacity(capacity)),
         };
-        Self { wanted, row: [f64::NAN; 3], sigma: [f64::NAN; 3], points: Vec::with_capacity(capacity), sigmas }
+        Self {
+            wanted,
+            row: [f64::NAN; 3],
+            sigma: [f64::NAN; 3],
+            points: Vec::with_capacity(capacity),
+            sigmas,
+        }
     }
 
     /// Whether the field at `index` is read.
@@ -156,7 +163,9 @@ mod tests {
     use super::*;
 
     fn find(names: &[&str], choice: &FieldChoice) -> Result<([usize; 3], SigmaFields), String> {
-        Wanted::find(names, choice).map(|w| (w.xyz, w.sigma)).map_err(|m| format!("{} of {}", m.name, m.fields))
+        Wanted::find(names, choice)
+            .map(|w| (w.xyz, w.sigma))
+            .map_err(|m| format!("{} of {}", m.name, m.fields))
     }
 
     #[test]

@@ -157,6 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::float_cmp, clippy::cast_possible_truncation)]
     fn every_type_in_both_orders() {
         let cases: [(Scalar, &[u8], f64); 10] = [
             (Scalar::I8, &[0xfe], -2.0),

@@ -134,7 +134,6 @@ impl Found<'_> {
         let kinds = entries(self.kinds, "TYPE", fields, b'F')?;
         let counts = entries(self.counts, "COUNT", fields, 1)?;
         let points = match (self.points, self.width, self.height.unwrap_or(1)) {
-            (Some(points), None, _) => points,
             (Some(points), Some(width), height) if width.checked_mul(height) != Some(points) => {
                 return Err(PcdError::PointCount { points, width, height });
             }
@@ -160,7 +159,11 @@ impl Found<'_> {
 fn viewpoint(line: usize, content: &[u8]) -> Result<Pose, PcdError> {
     let numbers: Option<Vec<f64>> = words(content).skip(1).map(number).collect();
     let Some([tx, ty, tz, qw, qx, qy, qz]) = numbers.as_deref() else {
-        return Err(PcdError::Header { line, expected: "`VIEWPOINT` with seven numbers", found: shown(content) });
+        return Err(PcdError::Header {
+            line,
+            expected: "`VIEWPOINT` with seven numbers",
+            found: shown(content),
+        });
     };
     Pose::from_quaternion([*tx, *ty, *tz], [*qx, *qy, *qz, *qw])
         .map_err(|source| PcdError::Viewpoint { line, source })
@@ -178,5 +181,9 @@ fn entries<T: Clone>(
     default: T,
 ) -> Result<Vec<T>, PcdError> {
     let found = found.unwrap_or_else(|| vec![default; fields]);
-    if found.len() == fields { Ok(found) } else { Err(PcdError::Entries { key, entries: found.len(), fields }) }
+    if found.len() == fields {
+        Ok(found)
+    } else {
+        Err(PcdError::Entries { key, entries: found.len(), fields })
+    }
 }

@@ -14,7 +14,9 @@ pub enum LzfError {
         at: usize,
     },
     /// A copy reaches back before the first byte of the output.
-    #[error("the run at byte {at} of the stream copies from {distance} bytes back, but only {unpacked} are there")]
+    #[error(
+        "the run at byte {at} of the stream copies from {distance} bytes back, but only {unpacked} are there"
+    )]
     BeforeStart {
         /// Where the run starts.
         at: usize,
@@ -107,7 +109,10 @@ fn run(control: u8, rest: &[u8]) -> Option<(Run<'_>, usize)> {
         0 => Some((Run::Literal(rest.get(..=low)?), low + 1)),
         7 => {
             let [more, near] = rest.first_chunk()?;
-            Some((Run::Copy { distance: (low << 8) + usize::from(*near) + 1, length: 9 + usize::from(*more) }, 2))
+            Some((
+                Run::Copy { distance: (low << 8) + usize::from(*near) + 1, length: 9 + usize::from(*more) },
+                2,
+            ))
         }
         _ => {
             let near = rest.first()?;
@@ -117,6 +122,7 @@ fn run(control: u8, rest: &[u8]) -> Option<(Run<'_>, usize)> {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation)]
 mod tests {
     use proptest::prelude::*;
 

@@ -38,7 +38,12 @@ pub(super) fn read(
 }
 
 /// Checks one line and, when it is a vertex, keeps its values.
-fn record(element: &Element, line: usize, content: &[u8], mut rows: Option<&mut Rows>) -> Result<(), PlyError> {
+fn record(
+    element: &Element,
+    line: usize,
+    content: &[u8],
+    mut rows: Option<&mut Rows>,
+) -> Result<(), PlyError> {
     let mut tokens = words(content);
     for (index, property) in element.properties.iter().enumerate() {
         let token = tokens.next().ok_or_else(|| short(line, property))?;

@@ -173,7 +173,9 @@ pub fn ply_bytes(columns: &[Column], encoding: PlyEncoding, extras: PlyExtras) -
             bytes.extend(line.join(" ").into_bytes());
             bytes.extend(if extras.crlf { &b"\r\n"[..] } else { b"\n" });
         }
-        _ => values.iter().for_each(|(ty, value)| bytes.extend(ty.encode(*value, encoding == PlyEncoding::Big))),
+        _ => values
+            .iter()
+            .for_each(|(ty, value)| bytes.extend(ty.encode(*value, encoding == PlyEncoding::Big))),
     };
     let face = |i: usize| {
         let corners = i % 4;
@@ -233,7 +235,7 @@ pub fn pcd_bytes(columns: &[Column], data: PcdData) -> Vec<u8> {
         }
         PcdData::Binary => {
             for row in 0..count {
-                columns.iter().for_each(|c| bytes.extend(c.ty.encode(c.values[row], false)));
+                bytes.extend(columns.iter().flat_map(|c| c.ty.encode(c.values[row], false)));
             }
         }
         PcdData::Compressed => {
@@ -368,14 +370,26 @@ pub fn good_files(count: usize) -> Vec<Good> {
             let bytes = ply_bytes(&columns, encoding, extras);
             let body = after(&bytes, "end_header");
             let name = format!("PLY {encoding:?} {name}");
-            files.push(Good { name, body, bytes, format: Format::Ply, is_text: encoding == PlyEncoding::Ascii });
+            files.push(Good {
+                name,
+                body,
+                bytes,
+                format: Format::Ply,
+                is_text: encoding == PlyEncoding::Ascii,
+            });
         }
     }
     for data in PCD_DATA {
         let bytes = pcd_bytes(&columns, data);
+        // Once with POINTS alone, so that a wrong count is not already told from the width.
         let body = after(&bytes, "DATA");
-        let name = format!("PCD {data:?}");
-        files.push(Good { name, body, bytes, format: Format::Pcd, is_text: data == PcdData::Ascii });
+        let width = format!("WIDTH {count}\nHEIGHT 1\n");
+        let header = String::from_utf8_lossy(&bytes[..body]).replace(&width, "").into_bytes();
+        let short = [&header[..], &bytes[body..]].concat();
+        for (name, bytes, body) in [("", bytes, body), (" without width", short, header.len())] {
+            let name = format!("PCD {data:?}{name}");
+            files.push(Good { name, body, bytes, format: Format::Pcd, is_text: data == PcdData::Ascii });
+        }
     }
     let values: Vec<f64> = rows(&columns, ["x", "y", "z"]).concat();
     let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
