@@ -1,1 +1,72 @@
-//! Planes of 3D scans with the uncertainty of their orientation, from posed scans with point errors
+//! Planes of 3D scans with the uncertainty of their orientation, from posed scans with point errors.
+//!
+//! Scans go in one at a time ([`Mapper::insert`]); planes come out whenever they are wanted ([`Mapper::extract`]). This
+//! crate composes the others into the method of "An Optimization Approach for 3D Environment Mapping using Normal Vector
+//! Uncertainty":
+//!
+//! ```text
+//! Scan -> grid of statistics -> dense cells -> uncertain normals -> clusters at phi
+//!      -> for each uncertain cluster, the phi of least cost -> planes, a label per point
+//! ```
+//!
+//! ```
+//! use terrace::{Mapper, Params};
+//! use terrace_types::{Frame, Scan, Sigma};
+//!
+//! // A floor and a wall that meet, sampled every 2 cm.
+//! let mut points = Vec::new();
+//! for i in 0..100 {
+//!     for j in 0..100 {
+//!         let (u, v) = (0.02 * f64::from(i) + 0.003, 0.02 * f64::from(j) + 0.003);
+//!         points.push([u, v, 0.0]);
+//!         points.push([0.0, u, v]);
+//!     }
+//! }
+//! let scan = Scan::new(points, Sigma::Uniform(0.005), Frame::World { sensor: Some([1.0, 1.0, 1.0]) })?;
+//!
+//! let mut mapper = Mapper::new(Params::default())?;
+//! mapper.insert(&scan)?;
+//! let map = mapper.extract()?;
+//! assert_eq!(map.planes.len(), 2);
+//! for plane in &map.planes {
+//!     // Normals point to the sensor, which is one metre from both.
+//!     assert!((plane.plane.signed_distance([1.0, 1.0, 1.0]) - 1.0).abs() < 0.05);
+//!     assert!(plane.normal_uncertainty.iter().all(|s| *s < 0.2));
+//! }
+//! assert_eq!(map.labels.len(), scan.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Units and frames
+//! Metres and radians; planes are in the world frame of the poses.
+//!
+//! # The same bits
+//! The same scans, parameters and seed give the same result to the last bit, on any number of threads.
+//!
+//! # Errors
+//! Parameters are checked when the mapper is made ([`ParamsError`]). Points that are not finite are absent and have no
+//! label; points too far away for the grid are counted and left out ([`Inserted`]). Nothing panics.
+
+mod cell_size;
+mod cost;
+mod error;
+mod extract;
+mod mapper;
+mod nodes;
+mod optimise;
+mod params;
+mod plane_map;
+
+pub use cell_size::{CellSizeChoice, choose_cell_size};
+pub use cost::{CostForm, PhiCost, beta};
+pub use error::{ExtractError, InsertError, ParamsError};
+pub use extract::Stage;
+pub use mapper::{Inserted, Mapper};
+pub use optimise::Optimised;
+pub use params::{Optimise, Params, Weighting};
+pub use plane_map::{ExtractedPlane, PlaneMap, Summary, Used};
+
+pub use terrace_cluster::{Interval, SeedOrder};
+pub use terrace_grid::{Assignment, Connectivity};
+pub use terrace_normals::FitTo;
+pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};

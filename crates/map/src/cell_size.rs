@@ -1,0 +1,150 @@
+//! A cell size from the data.
+
+use std::collections::HashMap;
+
+use terrace_normals::symmetric_eigen;
+use terrace_stats::{Stats, UncertainVector};
+use terrace_types::Scan;
+
+/// Cells are this many point spacings wide, so that a flat cell holds about twenty-five points.
+const SPACINGS: f64 = 5.0;
+/// Cells are this many standard errors wide, so that noise does not scatter a surface over several layers.
+const SIGMAS: f64 = 6.0;
+/// Places at which the scan is looked at.
+const SAMPLES: usize = 256;
+/// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
+const NEAR: usize = 8;
+const PATCH: usize = 30;
+/// The first guess is doubled at most so often, which covers every scan that is not one far-away point and the rest.
+const DOUBLINGS: usize = 24;
+
+/// A cell size and what it follows from, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellSizeChoice {
+    /// The cell size: the larger of five spacings and six standard errors.
+    pub cell_size: f64,
+    /// Median distance between neighbouring points, as if they lay on a square lattice: `d₈ √(π/8)` with `d₈` the
+    /// distance of the eighth neighbour.
+    pub spacing: f64,
+    /// Median standard error: the larger of what the scan states and the rms distance of a point's thirty neighbours
+    /// from their plane.
+    pub sigma: f64,
+}
+
+/// Chooses a cell size for scans like this one, from 256 places spread evenly over its points. `None` when there are
+/// too few points, or most are in one place.
+pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
+    let points: Vec<[f64; 3]> =
+        scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    if points.len() <= NEAR {
+        return None;
+    }
+    let stride = points.len().div_ceil(SAMPLES);
+    // Half a stride in, so that a scan's first row or ring is not favoured.
+    let samples: Vec<[f64; 3]> = points.iter().copied().skip(stride / 2).step_by(stride).collect();
+    let mut reach = first_reach(&samples, points.len())?;
+    for _ in 0..DOUBLINGS {
+        let local: Vec<Local> = near_each(&points, &samples, reach);
+        let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
+        if 2 * spacings.len() > samples.len() {
+            let spacing = median(&mut spacings)?;
+            let seen = median(&mut local.iter().filter_map(|l| l.noise).collect::<Vec<_>>()).unwrap_or(0.0);
+            let sigma = seen.max(stated_sigma(scan));
+            let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
+            return (cell_size.is_normal() && spacing > 0.0).then_some(CellSizeChoice {
+                cell_size,
+                spacing,
+                sigma,
+            });
+        }
+        reach *= 2.0;
+    }
+    None
+}
+
+struct Local {
+    spacing: Option<f64>,
+    noise: Option<f64>,
+}
+
+/// A distance within which a few dozen neighbours are expected, were the points spread over the sides of a box that
+/// holds most of the samples.
+fn first_reach(samples: &[[f64; 3]], points: usize) -> Option<f64> {
+    let extent = [0, 1, 2].map(|axis| {
+        let mut x: Vec<f64> = samples.iter().map(|p| p[axis]).collect();
+        x.sort_by(f64::total_cmp);
+        x[x.len() * 9 / 10] - x[x.len() / 10]
+    });
+    let [a, b, c] = extent;
+    let area = (a * b).max(b * c).max(c * a).max(a.max(b).max(c).powi(2) / 100.0);
+    let reach = 4.0 * (area / points as f64).sqrt();
+    (reach.is_normal()).then_some(reach)
+}
+
+/// What is within `reach` of each sample. Only the voxels around samples are filled, so that one look-up per point does.
+fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local> {
+    // Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.
+    #[allow(clippy::cast_possible_truncation)]
+    let key = |p: &[f64; 3]| p.map(|x| (x / reach).floor() as i64);
+    let around = |centre: [i64; 3]| {
+        (0..27).map(move |i: i64| {
+            [
+                centre[0].saturating_add(i / 9 - 1),
+                centre[1].saturating_add(i / 3 % 3 - 1),
+                centre[2].saturating_add(i % 3 - 1),
+            ]
+        })
+    };
+    let mut buckets: HashMap<[i64; 3], Vec<[f64; 3]>> =
+        samples.iter().flat_map(|sample| around(key(sample))).map(|key| (key, Vec::new())).collect();
+    for point in points {
+        if let Some(bucket) = buckets.get_mut(&key(point)) {
+            bucket.push(*point);
+        }
+    }
+    samples
+        .iter()
+        .map(|sample| {
+            let mut near: Vec<(f64, [f64; 3])> = around(key(sample))
+                .filter_map(|key| buckets.get(&key))
+                .flatten()
+                .map(|p| ((0..3).map(|i| (p[i] - sample[i]).powi(2)).sum(), *p))
+                .filter(|(squared, _)| *squared <= reach * reach)
+                .collect();
+            near.sort_by(|a, b| a.0.total_cmp(&b.0));
+            Local { spacing: spacing_of(&near), noise: noise_of(sample, &near) }
+        })
+        .collect()
+}
+
+/// `near` begins with the sample itself.
+fn spacing_of(near: &[(f64, [f64; 3])]) -> Option<f64> {
+    near.get(NEAR).map(|(squared, _)| (squared * std::f64::consts::PI / NEAR as f64).sqrt())
+}
+
+fn noise_of(sample: &[f64; 3], near: &[(f64, [f64; 3])]) -> Option<f64> {
+    let patch = near.get(..PATCH)?;
+    let mut stats = Stats::new(*sample);
+    for (_, point) in patch {
+        stats.push(&UncertainVector::exact(*point));
+    }
+    // Three of the patch's freedoms went into its plane.
+    let variance =
+        symmetric_eigen(&stats.covariance()?).values[0].max(0.0) * PATCH as f64 / (PATCH - 3) as f64;
+    Some(variance.sqrt())
+}
+
+fn stated_sigma(scan: &Scan) -> f64 {
+    let stride = scan.len().div_ceil(SAMPLES).max(1);
+    let mut sigmas: Vec<f64> = (0..scan.len())
+        .step_by(stride)
+        .filter_map(|i| scan.world_point(i)?.sigma)
+        .map(|s| s[0].max(s[1]).max(s[2]))
+        .collect();
+    median(&mut sigmas).unwrap_or(0.0)
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,73 @@
+//! The cost β of a threshold φ (section V).
+
+use terrace_cluster::{Grower, Segmentation};
+use terrace_crs::{Cost, Evaluation};
+
+/// How the uncertainties of the clusters are summed up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CostForm {
+    /// Each cluster once, as the formula is printed: `Σᵢ (s_x + s_y + s_z)ᵢ`. It grows with every cluster, so that a
+    /// cluster of many planes is hardly ever split.
+    Sum,
+    /// Each cluster by its share of the cells: `Σᵢ (nᵢ/n) (s_x + s_y + s_z)ᵢ`. It falls as clusters become purer,
+    /// which is what the paper says of its first term.
+    #[default]
+    Share,
+}
+
+/// `β = w_nv Σᵢ fᵢ (s_x + s_y + s_z)ᵢ + w_nc N_c`, with fᵢ = 1 or nᵢ/n by the [`CostForm`].
+pub fn beta(
+    segmentation: &Segmentation,
+    form: CostForm,
+    weight_uncertainty: f64,
+    weight_clusters: f64,
+) -> f64 {
+    let cells: usize = segmentation.clusters().map(|c| c.nodes().len()).sum();
+    let uncertainty: f64 = segmentation
+        .clusters()
+        .map(|cluster| {
+            let total: f64 = cluster.uncertainty().iter().sum();
+            match form {
+                CostForm::Sum => total,
+                CostForm::Share => total * cluster.nodes().len() as f64 / cells as f64,
+            }
+        })
+        .sum();
+    weight_uncertainty * uncertainty + weight_clusters * segmentation.len() as f64
+}
+
+/// β as a function of φ for the cells of one cluster: a staircase of one axis that knows its steps.
+#[derive(Debug)]
+pub struct PhiCost<'n, N> {
+    grower: Grower<'n, N>,
+    form: CostForm,
+    weight_uncertainty: f64,
+    weight_clusters: f64,
+}
+
+impl<'n, N> PhiCost<'n, N> {
+    /// The cost of clustering with this grower.
+    pub fn new(grower: Grower<'n, N>, form: CostForm, weight_uncertainty: f64, weight_clusters: f64) -> Self {
+        Self { grower, form, weight_uncertainty, weight_clusters }
+    }
+
+    /// The grower, for the clusters at the φ that was chosen.
+    pub fn into_grower(self) -> Grower<'n, N> {
+        self.grower
+    }
+}
+
+impl<'g, N: Fn(usize) -> &'g [u32]> Cost for PhiCost<'_, N> {
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        let [phi] = x else { return Evaluation::point(f64::NAN) };
+        // A negative or non-finite φ has no cost; the search reports such an answer with its x.
+        let Ok(segmentation) = self.grower.grow(*phi) else { return Evaluation::point(f64::NAN) };
+        let interval = segmentation.interval();
+        let value = beta(segmentation, self.form, self.weight_uncertainty, self.weight_clusters);
+        Evaluation::interval(value, interval.lo..interval.hi.unwrap_or(f64::INFINITY))
+    }
+
+    fn dimension(&self) -> Option<usize> {
+        Some(1)
+    }
+}

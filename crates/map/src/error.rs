@@ -1,0 +1,54 @@
+//! What the mapper refuses.
+
+use terrace_cluster::ClusterError;
+use terrace_grid::GridError;
+
+/// A parameter that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("the parameter {name} is {value}, it must be {expected}")]
+pub struct ParamsError {
+    /// The parameter, as it is called in [`Params`](crate::Params).
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What is allowed.
+    pub expected: &'static str,
+}
+
+impl ParamsError {
+    pub(crate) fn new(name: &'static str, value: f64, expected: &'static str) -> Self {
+        Self { name, value, expected }
+    }
+}
+
+/// Why a scan could not be inserted. The mapper is as it was.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum InsertError {
+    /// No cell size was given, and this first scan does not show one: it has too few points, or they are all in one
+    /// place. Give a cell size.
+    #[error("no cell size can be chosen from {present} points; give one")]
+    NoCellSize {
+        /// Number of points that are not absent.
+        present: usize,
+    },
+    /// Weighting by information needs a standard error above zero for every point.
+    #[error("point {point} has no standard error above zero, which weighting by information needs")]
+    NoWeight {
+        /// Index of the point within the scan.
+        point: usize,
+    },
+    /// The cell size chosen or given is refused by the grid, or the grid is full.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+}
+
+/// Why no planes could be extracted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ExtractError {
+    /// No scan with a usable point was inserted.
+    #[error("no point was inserted")]
+    Empty,
+    /// A threshold or normal was refused by the clustering.
+    #[error(transparent)]
+    Cluster(#[from] ClusterError),
+}

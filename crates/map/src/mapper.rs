@@ -1,0 +1,149 @@
+//! The growing map: scans in.
+
+use terrace_grid::{CellId, GridError, VoxelGrid};
+use terrace_stats::UncertainVector;
+use terrace_types::Scan;
+
+use crate::{CellSizeChoice, InsertError, Params, ParamsError, Weighting, choose_cell_size};
+
+/// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
+#[derive(Debug, Clone)]
+pub struct Mapper {
+    params: Params,
+    chosen: Option<CellSizeChoice>,
+    grid: Option<VoxelGrid>,
+    /// The cell of every point so far, scan after scan; `None` for points that were left out.
+    cell_of_point: Vec<Option<CellId>>,
+    /// Where the sensor of the scan stood that founded each cell.
+    seen_from: Vec<Option<[f64; 3]>>,
+}
+
+/// What became of the points of a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inserted {
+    /// Points that are now in the map.
+    pub points: usize,
+    /// Absent points: not finite.
+    pub absent: usize,
+    /// Points left out because they are too many cells away from the origin.
+    pub out_of_range: usize,
+    /// The reason for the first point left out.
+    pub first_refusal: Option<GridError>,
+}
+
+impl Mapper {
+    /// An empty map.
+    ///
+    /// # Errors
+    /// [`ParamsError`] when a parameter cannot be used.
+    pub fn new(params: Params) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), seen_from: Vec::new() })
+    }
+
+    /// The parameters as given.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The grid, from the first scan on.
+    pub fn grid(&self) -> Option<&VoxelGrid> {
+        self.grid.as_ref()
+    }
+
+    /// The cell size that was chosen from the first scan; `None` when one was given, or before the first scan.
+    pub fn chosen_cell_size(&self) -> Option<CellSizeChoice> {
+        self.chosen
+    }
+
+    /// Number of points so far, absent ones included: the number of labels.
+    pub fn len(&self) -> usize {
+        self.cell_of_point.len()
+    }
+
+    /// Whether no scan with a point was inserted.
+    pub fn is_empty(&self) -> bool {
+        self.cell_of_point.is_empty()
+    }
+
+    pub(crate) fn cells_of_points(&self) -> &[Option<CellId>] {
+        &self.cell_of_point
+    }
+
+    pub(crate) fn seen_from(&self, cell: CellId) -> Option<[f64; 3]> {
+        self.seen_from.get(cell.index()).copied().flatten()
+    }
+
+    /// Adds the points of a scan.
+    ///
+    /// # Errors
+    /// [`InsertError`], with the map as it was: when no cell size was given and none can be chosen from this first
+    /// scan; when points are to be weighted by information and one has no standard error above zero; when the grid is
+    /// full.
+    pub fn insert(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
+        if self.params.weighting == Weighting::Information {
+            require_errors(scan)?;
+        }
+        let (choice, size) = match (&self.grid, self.params.cell_size) {
+            (Some(grid), _) => (self.chosen, grid.cell_size()),
+            (None, Some(size)) => (None, size),
+            (None, None) => {
+                let choice =
+                    choose_cell_size(scan).ok_or(InsertError::NoCellSize { present: scan.present() })?;
+                (Some(choice), choice.cell_size)
+            }
+        };
+        let mut grid = match self.grid.take() {
+            Some(grid) => grid,
+            None => VoxelGrid::new(size, self.params.assignment)?,
+        };
+        self.chosen = choice;
+        let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
+        let sensor = scan.sensor_position();
+        self.cell_of_point.reserve(scan.len());
+        for point in scan.world_points() {
+            let cell = match point {
+                None => {
+                    inserted.absent += 1;
+                    None
+                }
+                Some(point) => {
+                    let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
+                    match self.add(&mut grid, &v) {
+                        Ok(cell) => Some(cell),
+                        Err(refusal) => {
+                            inserted.out_of_range += 1;
+                            inserted.first_refusal.get_or_insert(refusal);
+                            None
+                        }
+                    }
+                }
+            };
+            if let Some(cell) = cell {
+                inserted.points += 1;
+                if cell.index() == self.seen_from.len() {
+                    self.seen_from.push(sensor);
+                }
+            }
+            self.cell_of_point.push(cell);
+        }
+        self.grid = Some(grid);
+        Ok(inserted)
+    }
+
+    fn add(&self, grid: &mut VoxelGrid, v: &UncertainVector) -> Result<CellId, GridError> {
+        match self.params.weighting {
+            Weighting::Uniform => grid.insert(v),
+            Weighting::Information => {
+                let [x, y, z] = v.variance();
+                grid.insert_weighted(v, 3.0 / (x + y + z))
+            }
+        }
+    }
+}
+
+fn require_errors(scan: &Scan) -> Result<(), InsertError> {
+    let without = (0..scan.len())
+        .find(|i| scan.world_point(*i).is_some_and(|p| p.sigma.is_none_or(|s| s.iter().any(|s| *s <= 0.0))));
+    without.map_or(Ok(()), |point| Err(InsertError::NoWeight { point }))
+}

@@ -1,0 +1,166 @@
+//! Every setting of the method, with presets.
+
+use terrace_cluster::SeedOrder;
+use terrace_grid::{Assignment, Connectivity, validate_cell_size};
+use terrace_normals::FitTo;
+
+use crate::{CostForm, ParamsError};
+
+/// How much each point counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weighting {
+    /// Every point the same (the paper).
+    #[default]
+    Uniform,
+    /// By `1/σ²`, which gives the plane of least variance. Every point must then have a standard error above zero.
+    Information,
+}
+
+/// Settings of the whole method. Start from a preset and change what you need to; `None` is chosen from the data, and
+/// the value chosen is in the result ([`Used`](crate::Used)).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Params {
+    /// Edge ξ of a cell in metres. The paper wants it above the standard error of the points. `None`: from the spacing
+    /// and noise of the first scan, see [`choose_cell_size`](crate::choose_cell_size).
+    pub cell_size: Option<f64>,
+    /// Density threshold τ: cells with at least this many points are dense. `None`: a tenth of the median density, and
+    /// at least 4.
+    pub tau: Option<u64>,
+    /// Uncertainty threshold ω: cells whose normal has `s_x + s_y + s_z` of ω and more are left out.
+    pub omega: f64,
+    /// Orientation threshold φ of the first clustering, 0 to 1.
+    pub phi: f64,
+    /// Depth d of the neighbourhoods normals are fitted to (Definition 2), from 1.
+    pub depth: u32,
+    /// Which cells are directly connected.
+    pub connectivity: Connectivity,
+    /// How points find their cell.
+    pub assignment: Assignment,
+    /// How much each point counts.
+    pub weighting: Weighting,
+    /// What normals are fitted to.
+    pub fit: FitTo,
+    /// Where clusters begin. The seed of a random order is [`Params::seed`].
+    pub random_seeds: bool,
+    /// Search for a better φ for each uncertain cluster; `None` leaves clusters as first found.
+    pub optimise: Option<Optimise>,
+    /// Clusters of fewer cells are not reported as planes.
+    pub min_cells: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// Settings of the search for φ (section V).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optimise {
+    /// Clusters whose largest of `s_x`, `s_y`, `s_z` is above this are uncertain.
+    pub above: f64,
+    /// How the clusters' uncertainties are summed up.
+    pub form: CostForm,
+    /// Weight w_nv of the uncertainties.
+    pub weight_uncertainty: f64,
+    /// Weight w_nc of the number of clusters.
+    pub weight_clusters: f64,
+    /// Size n of the population of the controlled random search.
+    pub population: usize,
+    /// Size m of the subset a trial is drawn from.
+    pub subset: usize,
+    /// Rounds ζ.
+    pub rounds: usize,
+}
+
+impl Default for Optimise {
+    fn default() -> Self {
+        Self {
+            above: 0.15,
+            form: CostForm::Share,
+            weight_uncertainty: 1.0,
+            weight_clusters: 0.01,
+            population: 20,
+            subset: 2,
+            rounds: 60,
+        }
+    }
+}
+
+impl Default for Params {
+    /// Order-independent cells, planes of all points, most certain seeds first.
+    fn default() -> Self {
+        Self {
+            cell_size: None,
+            tau: None,
+            omega: 0.4,
+            phi: 0.1,
+            depth: 1,
+            connectivity: Connectivity::Corners,
+            assignment: Assignment::Voxel,
+            weighting: Weighting::Uniform,
+            fit: FitTo::Points,
+            random_seeds: false,
+            optimise: Some(Optimise::default()),
+            min_cells: 5,
+            seed: 0,
+        }
+    }
+}
+
+impl Params {
+    /// The method as the paper describes it: cells by expected distance, planes of cell centres, random seeds.
+    pub fn paper() -> Self {
+        Self {
+            assignment: Assignment::ExpectedDistance,
+            fit: FitTo::Centres,
+            random_seeds: true,
+            ..Self::default()
+        }
+    }
+
+    /// The order in which cells found clusters.
+    pub fn seed_order(&self) -> SeedOrder {
+        if self.random_seeds { SeedOrder::Random { seed: self.seed } } else { SeedOrder::MostCertain }
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first parameter that cannot be used, and its value.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        if let Some(size) = self.cell_size {
+            validate_cell_size(size)
+                .map_err(|_| ParamsError::new("cell_size", size, "a positive, finite length in metres"))?;
+        }
+        if self.tau == Some(0) {
+            return Err(ParamsError::new("tau", 0.0, "at least 1"));
+        }
+        if self.omega.is_nan() || self.omega <= 0.0 {
+            return Err(ParamsError::new("omega", self.omega, "above 0"));
+        }
+        if !(0.0..=1.0).contains(&self.phi) {
+            return Err(ParamsError::new("phi", self.phi, "from 0 to 1"));
+        }
+        if self.depth == 0 {
+            return Err(ParamsError::new("depth", 0.0, "at least 1"));
+        }
+        self.optimise.map_or(Ok(()), |optimise| optimise.validate())
+    }
+}
+
+impl Optimise {
+    fn validate(&self) -> Result<(), ParamsError> {
+        let weights = [
+            ("optimise.above", self.above),
+            ("optimise.weight_uncertainty", self.weight_uncertainty),
+            ("optimise.weight_clusters", self.weight_clusters),
+        ];
+        if let Some((name, value)) = weights.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
+            return Err(ParamsError::new(name, value, "finite and at least 0"));
+        }
+        if self.population < 2 {
+            return Err(ParamsError::new("optimise.population", self.population as f64, "at least 2"));
+        }
+        if !(2..=self.population).contains(&self.subset) {
+            return Err(ParamsError::new("optimise.subset", self.subset as f64, "from 2 to the population"));
+        }
+        Ok(())
+    }
+}

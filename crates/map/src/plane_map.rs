@@ -1,0 +1,94 @@
+//! What comes out: planes with their uncertainty, a label per point, and every parameter used.
+
+use terrace_cluster::Interval;
+use terrace_types::{Plane, PlaneId};
+
+use crate::{CellSizeChoice, Optimised, Params};
+
+/// A plane of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExtractedPlane {
+    /// Its number, from 1: planes are sorted by their points, the largest first.
+    pub id: PlaneId,
+    /// The plane of least squares through all points of its cells. The normal points to the side it was seen from, or,
+    /// when no sensor position is known, has a positive largest component.
+    pub plane: Plane,
+    /// Mean of the points, in metres.
+    pub centroid: [f64; 3],
+    /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
+    pub normal_uncertainty: [f64; 3],
+    /// Points in its cells.
+    pub points: u64,
+    /// Number of cells.
+    pub cells: usize,
+    /// Root mean square distance of the points from the plane, in metres.
+    pub rms: f64,
+    /// The threshold φ at which it was found.
+    pub phi: f64,
+    /// The thresholds at which the same clusters are found.
+    pub phi_interval: Interval,
+}
+
+/// The parameters of a run, with what was chosen from the data filled in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Used {
+    /// The parameters as given.
+    pub params: Params,
+    /// The cell size, in metres.
+    pub cell_size: f64,
+    /// What the cell size was chosen from; `None` when it was given.
+    pub chosen: Option<CellSizeChoice>,
+    /// The density threshold.
+    pub tau: u64,
+}
+
+/// Counts and averages.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Input points, absent ones included.
+    pub points: usize,
+    /// Points with a label.
+    pub labelled: usize,
+    /// Number of planes.
+    pub planes: usize,
+    /// Mean of (s_x, s_y, s_z) over the planes; `None` without planes.
+    pub normal_uncertainty_mean: Option<[f64; 3]>,
+}
+
+/// The planes of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaneMap {
+    /// The planes, in the order of their numbers.
+    pub planes: Vec<ExtractedPlane>,
+    /// The plane of each input point, over all scans in the order of insertion.
+    pub labels: Vec<Option<PlaneId>>,
+    /// The parameters used.
+    pub used: Used,
+    /// Occupied cells, dense cells, and dense cells whose normal was certain enough to take part.
+    pub cells: [usize; 3],
+    /// What was done for each uncertain cluster, in the order of the first clustering.
+    pub optimised: Vec<Optimised>,
+}
+
+impl PlaneMap {
+    /// Counts and averages.
+    pub fn summary(&self) -> Summary {
+        Summary {
+            points: self.labels.len(),
+            labelled: self.labels.iter().flatten().count(),
+            planes: self.planes.len(),
+            normal_uncertainty_mean: mean(self.planes.iter().map(|p| p.normal_uncertainty)),
+        }
+    }
+
+    /// The plane of this number.
+    pub fn plane(&self, id: PlaneId) -> Option<&ExtractedPlane> {
+        self.planes.get(id.index())
+    }
+}
+
+fn mean(vectors: impl ExactSizeIterator<Item = [f64; 3]>) -> Option<[f64; 3]> {
+    let count = vectors.len();
+    let sum = vectors.fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+    (count > 0).then(|| sum.map(|s| s / count as f64))
+}
