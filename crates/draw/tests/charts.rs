@@ -6,7 +6,7 @@ use terrace_draw::{Canvas, DrawError, Sample, Staircase, Step, Svg};
 
 /// A number that may be as large or small as numbers get, or none.
 fn any_value() -> impl Strategy<Value = f64> {
-    prop_oneof![4 => -2.0..2.0_f64, 1 => Just(1.0), 1 => Just(1e-300), 1 => Just(1e300), 1 => Just(-1e300), 1 => any::<f64>()]
+    prop_oneof![4 => -2.0..2.0_f64, 1 => Just(1.0), 1 => Just(1e-300), 1 => Just(1e300), 1 => Just(-1e300), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY), 1 => any::<f64>()]
 }
 
 prop_compose! {
