@@ -9,7 +9,7 @@
 //! ```
 //! use terrace_io::npy;
 //!
-//! let mut file = b"\x93NUMPY\x01\x00\x36\x00{'descr': '<f4', 'fortran_order': False, 'shape': (1,3)}".to_vec();
+//! let mut file = b"\x93NUMPY\x01\x00\x38\x00{'descr': '<f4', 'fortran_order': False, 'shape': (1,3)}".to_vec();
 //! file.extend([1.0_f32, 2.0, 3.5].map(f32::to_le_bytes).as_flattened());
 //! assert_eq!(npy::read(&file)?.points, [[1.0, 2.0, 3.5]]);
 //! # Ok::<(), npy::NpyError>(())

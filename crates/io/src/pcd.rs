@@ -11,9 +11,10 @@
 //! **Refused:** `POINTS` that is not `WIDTH` × `HEIGHT`, as PCL does: one of them is wrong, and a label per point could
 //! not be matched to pixels.
 //!
-//! **Limits.** At most 32 bytes are asked for per byte of an ascii or binary file, whatever its header says. Compressed
-//! data is measured before it is unpacked, and LZF yields at most 88 bytes for one; a point of coordinates costs at most
-//! 9 times its unpacked bytes. An ascii file that was cut within its very last number cannot be told from a whole one.
+//! **Limits.** At most 32 bytes are asked for per byte after the header, and 128 per byte of the header, whatever counts
+//! it holds. Compressed data is measured before it is unpacked, and LZF yields at most 88 bytes for one; the unpacked
+//! bytes count as those of a binary file. An ascii file that was cut within its very last number cannot be told from a
+//! whole one.
 //!
 //! ```
 //! use terrace_io::{FieldChoice, pcd};

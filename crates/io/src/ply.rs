@@ -7,8 +7,8 @@
 //! **Tolerated:** CRLF headers, comments and `obj_info` anywhere in the header, types `int64` and `uint64`, blank lines,
 //! and anything after the last element.
 //!
-//! **Limits.** At most 32 bytes are asked for per byte of the file, whatever its header says. An ascii file that was cut
-//! within its very last number cannot be told from a whole one.
+//! **Limits.** At most 32 bytes are asked for per byte after the header, and 128 per byte of the header, whatever counts
+//! it holds. An ascii file that was cut within its very last number cannot be told from a whole one.
 //!
 //! ```
 //! use terrace_io::{FieldChoice, ply};

@@ -11,8 +11,8 @@
 //!
 //! **Refused:** decimal commas, and values that are no number where one is read: an absent measurement is `nan`.
 //!
-//! **Limits.** At most 32 bytes are asked for per byte of the file. A file without a number of points that was cut at the
-//! end of a line, or within the last number of one, cannot be told from a whole one.
+//! **Limits.** At most 32 bytes are asked for per byte of the file, and 128 per byte of its first line. A file without a
+//! number of points that was cut at the end of a line, or within the last number of one, cannot be told from a whole one.
 //!
 //! ```
 //! use terrace_io::{FieldChoice, text};
