@@ -1,2 +1,33 @@
-//! The terrace program.
-fn main() {}
+//! The terrace program: posed 3D scans in, planes with their uncertainty out.
+//!
+//! Arguments are turned into calls of the `terrace` library and of `terrace-io`; no algorithm lives here.
+
+mod args;
+mod commands;
+mod error;
+mod picture;
+mod progress;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = match &cli.command {
+        Command::Extract(args) => commands::extract::run(args),
+        Command::Synth(args) => commands::synth::run(args),
+        Command::Info(args) => commands::info::run(args),
+        Command::Reproduce(args) => commands::reproduce::run(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("terrace: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

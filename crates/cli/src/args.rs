@@ -1,0 +1,255 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Finds the planes of 3D scans and says how sure it is of the orientation of each.
+#[derive(Debug, Parser)]
+#[command(
+    name = "terrace",
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done, 1 nothing usable in the inputs or no output written, 2 wrong arguments."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Extract the planes of scans
+    Extract(Box<ExtractArgs>),
+    /// Make a synthetic scan of a scene with known planes
+    Synth(SynthArgs),
+    /// Tell what files hold: format, points, bounds, spacing, absent points
+    Info(InfoArgs),
+    /// Make the experiments of the paper again: Tables I and II, Figures 1, 3 and 4
+    Reproduce(ReproduceArgs),
+}
+
+/// Arguments of `extract`.
+// Flags of a command line are independent of each other.
+#[allow(clippy::struct_excessive_bools)]
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  terrace extract room.ply --out planes
+      One cloud. Cell size and density threshold are chosen from the data and reported.
+  terrace extract table.pcd --sensor kinect --out planes --picture
+      Standard errors of a Kinect by distance; and a picture of the planes from two sides.
+  terrace extract kitchen/ --intrinsics 585,585,320,240 --sensor kinect --out planes
+      A folder of NAME.depth.png with NAME.pose.txt beside them: a posed sequence.
+  terrace extract scans/*.pcd --poses poses.tum --out planes
+      Clouds in the sensor's frame and a trajectory (TUM, KITTI, 4x4, Open3D log).
+
+Written to DIR: planes.json (see docs/planes-json.md), labels.npy (one int32 per input point, all inputs in order, 0 is
+no plane), points.ply (coloured by plane).")]
+pub struct ExtractArgs {
+    /// Scans: files, folders or patterns. PLY, PCD, NPY, XYZ/CSV/TXT, 16-bit depth PNG
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// Folder for the results; made when missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Parameters to start from
+    #[arg(long, value_enum, default_value = "default")]
+    pub preset: Preset,
+    /// Edge of a grid cell in metres [default: from spacing and noise of the first scan]
+    #[arg(long, value_name = "METRES", help_heading = "Method")]
+    pub cell: Option<f64>,
+    /// Orientation threshold of the first clustering, 0 to 1 [default: by preset]
+    #[arg(long, value_name = "X", help_heading = "Method")]
+    pub phi: Option<f64>,
+    /// Points that make a cell dense [default: a tenth of the median, at least 4]
+    #[arg(long, value_name = "N", help_heading = "Method")]
+    pub tau: Option<u64>,
+    /// Cells whose normal is less certain than this take no part [default: by preset]
+    #[arg(long, value_name = "X", help_heading = "Method")]
+    pub omega: Option<f64>,
+    /// Depth of the neighbourhoods normals are fitted to [default: by preset]
+    #[arg(long, value_name = "N", help_heading = "Method")]
+    pub depth: Option<u32>,
+    /// Cost minimised for each uncertain cluster [default: by preset]
+    #[arg(long, value_enum, value_name = "FORM", help_heading = "Method")]
+    pub cost: Option<Cost>,
+    /// Leave clusters as first found
+    #[arg(long, conflicts_with = "cost", help_heading = "Method")]
+    pub no_optimise: bool,
+    /// Clusters of fewer cells are not planes [default: by preset]
+    #[arg(long, value_name = "N", help_heading = "Method")]
+    pub min_cells: Option<usize>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Method")]
+    pub seed: u64,
+    /// How files are read.
+    #[command(flatten)]
+    pub read: ReadArgs,
+    /// Poses of the scans, from sensor to world: TUM, KITTI, 4x4 matrices, Open3D log, or a folder of 4x4 files
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
+    pub poses: Option<PathBuf>,
+    /// Also draw the planes from two sides into DIR/planes.png
+    #[arg(long, help_heading = "Output")]
+    pub picture: bool,
+    /// Direction that is up in the picture, as x,y,z
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        default_value = "0,0,1",
+        value_parser = parse_vector,
+        allow_hyphen_values = true,
+        help_heading = "Output"
+    )]
+    pub up: Vector,
+    /// Do not write points.ply
+    #[arg(long, help_heading = "Output")]
+    pub no_points: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// How files are read.
+#[derive(Debug, Args)]
+pub struct ReadArgs {
+    /// Standard error of every point in metres
+    #[arg(long, value_name = "METRES", conflicts_with = "sensor", help_heading = "Input")]
+    pub sigma: Option<f64>,
+    /// Standard errors by the sensor's noise model
+    #[arg(long, value_enum, help_heading = "Input")]
+    pub sensor: Option<Sensor>,
+    /// Field of the files that holds the standard error [default: sigma, or sigma_x, sigma_y, sigma_z]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["sigma", "sensor"], help_heading = "Input")]
+    pub sigma_field: Option<String>,
+    /// Camera of depth images: fx,fy,cx,cy in pixels, or a JSON or 3x3 text file
+    #[arg(long, value_name = "FX,FY,CX,CY|FILE", help_heading = "Input")]
+    pub intrinsics: Option<String>,
+    /// Raw units of depth images per metre; raw 0 and 65535 are no measurement
+    #[arg(long, value_name = "N", default_value_t = 1000.0, help_heading = "Input")]
+    pub depth_scale: f64,
+}
+
+/// Arguments of `synth`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  terrace synth room --out room --points 100000
+  terrace extract room/points.ply --out planes
+
+Written to DIR: points.ply (with sigma and the true label), labels.npy and planes.json with the truth.")]
+pub struct SynthArgs {
+    /// The scene
+    #[arg(value_enum)]
+    pub scene: Scene,
+    /// Folder for the results; made when missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Number of points [default: by scene]
+    #[arg(long, value_name = "N")]
+    pub points: Option<usize>,
+    /// Standard error of the points in metres [default: the scene's own sensor]
+    #[arg(long, value_name = "METRES")]
+    pub sigma: Option<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Files of points
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// How files are read.
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  terrace reproduce --out paper
+      Section VI-A: three planes in a table-like structure, clustered at phi = 0.97 and optimised.
+  terrace reproduce --out paper --seeds 10
+      The same for ten seeds.
+  terrace reproduce --out paper --data kitchen/ --intrinsics 585,585,320,240
+      Section VI-B as well, on a posed Kinect sequence.")]
+pub struct ReproduceArgs {
+    /// Folder for figures; made when missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// A folder of posed depth images for Table II, Figures 3 and 4
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// First seed
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of seeds of the synthetic experiment, one after the other
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub seeds: u64,
+    /// Camera of the depth images of --data, fx,fy,cx,cy in pixels or a file
+    #[arg(long, value_name = "FX,FY,CX,CY|FILE", default_value = "585,585,320,240")]
+    pub intrinsics: String,
+    /// Print nothing but errors and tables
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Parameters to start from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Order-independent cells, planes of all points, most certain seeds first
+    Default,
+    /// The method as the paper describes it
+    Paper,
+}
+
+/// Cost of a threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Cost {
+    /// Each cluster once: the formula as printed in the paper
+    Sum,
+    /// Each cluster by its share of the cells
+    Share,
+}
+
+/// Noise models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sensor {
+    /// sigma(z) = 0.0012 + 0.0019 (z - 0.4)^2 metres
+    Kinect,
+}
+
+/// Synthetic scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Scene {
+    /// Three planes in a table-like structure, white noise
+    Table,
+    /// A furnished room seen by a depth camera from fourteen places
+    Room,
+    /// A corridor with a bend scanned by a lidar
+    Corridor,
+}
+
+/// Three numbers.
+pub type Vector = [f64; 3];
+
+fn parse_vector(text: &str) -> Result<Vector, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
+        .collect::<Option<_>>()
+        .ok_or("three numbers with commas between are needed")?;
+    <[f64; 3]>::try_from(numbers).map_err(|n| format!("three numbers are needed, not {}", n.len()))
+}

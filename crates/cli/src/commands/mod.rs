@@ -1,0 +1,6 @@
+//! One file per command.
+
+pub mod extract;
+pub mod info;
+pub mod reproduce;
+pub mod synth;

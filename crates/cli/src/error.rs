@@ -1,0 +1,62 @@
+//! What can go wrong, and the exit code it ends with.
+
+use std::path::PathBuf;
+
+/// An error that ends the program.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// An argument does not make sense.
+    #[error("{0}")]
+    Usage(String),
+    /// A parameter is out of its range.
+    #[error(transparent)]
+    Params(#[from] terrace::ParamsError),
+    /// The intrinsics cannot be read.
+    #[error("--intrinsics: {0}")]
+    Intrinsics(String),
+    /// Inputs or their poses cannot be found.
+    #[error(transparent)]
+    Source(#[from] terrace_io::SourceError),
+    /// None of the inputs could be used.
+    #[error("nothing usable: none of {inputs} inputs could be read; the last: {last}")]
+    NothingUsable {
+        /// Number of inputs.
+        inputs: usize,
+        /// What was wrong with the last of them.
+        last: String,
+    },
+    /// A file cannot be read.
+    #[error(transparent)]
+    Read(#[from] terrace_io::ReadError),
+    /// A file that was read before cannot be read again, or changed in between.
+    #[error("{path}: the file changed while it was worked on")]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No planes could be extracted.
+    #[error(transparent)]
+    Extract(#[from] terrace::ExtractError),
+    /// A result cannot be written.
+    #[error(transparent)]
+    Write(#[from] terrace_io::WriteError),
+    /// A synthetic scene cannot be made.
+    #[error(transparent)]
+    Synth(#[from] terrace_synth::SynthError),
+    /// A picture cannot be drawn.
+    #[error("the picture cannot be drawn: {0}")]
+    Draw(#[from] terrace_draw::DrawError),
+    /// The threads cannot be started.
+    #[error("{0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl CliError {
+    /// 2 for wrong arguments, 1 for everything else.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) | Self::Params(_) | Self::Intrinsics(_) => 2,
+            _ => 1,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! A plane map as `planes.json` and as a table.
+
+use serde_json::{Map, Value, json};
+use terrace::{Assignment, CostForm, ExtractedPlane, FitTo, PlaneMap, Weighting};
+use terrace_io::planes_json::{PhiInterval, PlaneRecord, PlanesFile, Summary, Timings};
+
+/// Everything `planes.json` holds. `extra` are parameters of the run that the map does not know.
+pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) -> PlanesFile {
+    let summary = map.summary();
+    let mut parameters = parameters(map);
+    parameters.extend(extra);
+    PlanesFile {
+        parameters,
+        planes: map.planes.iter().map(record).collect(),
+        summary: Some(Summary {
+            points: summary.points as u64,
+            labelled: summary.labelled as u64,
+            planes: summary.planes as u64,
+            normal_uncertainty_mean: summary.normal_uncertainty_mean,
+        }),
+        timings_seconds: Some(timings),
+    }
+}
+
+fn record(plane: &ExtractedPlane) -> PlaneRecord {
+    let mut record = PlaneRecord::new(plane.id, &plane.plane, plane.points);
+    record.centroid = Some(plane.centroid);
+    record.normal_uncertainty = Some(plane.normal_uncertainty);
+    record.cells = Some(plane.cells as u64);
+    record.rms = Some(plane.rms);
+    record.phi = Some(plane.phi);
+    record.phi_interval = Some(PhiInterval { lo: plane.phi_interval.lo, hi: plane.phi_interval.hi });
+    record
+}
+
+fn parameters(map: &PlaneMap) -> Map<String, Value> {
+    let used = &map.used;
+    let p = &used.params;
+    let optimise = p.optimise.map_or(Value::Null, |o| {
+        json!({
+            "above": o.above,
+            "cost": match o.form { CostForm::Sum => "sum", CostForm::Share => "share" },
+            "weight_uncertainty": o.weight_uncertainty,
+            "weight_clusters": o.weight_clusters,
+            "population": o.population,
+            "subset": o.subset,
+            "rounds": o.rounds,
+        })
+    });
+    let chosen = used.chosen.map_or(Value::Null, |c| json!({ "spacing": c.spacing, "sigma": c.sigma }));
+    let entries = [
+        ("cell_size", json!(used.cell_size)),
+        ("cell_size_from", chosen),
+        ("tau", json!(used.tau)),
+        // JSON has no infinity: an omega that excludes nothing is null.
+        ("omega", json!(p.omega.is_finite().then_some(p.omega))),
+        ("phi", json!(p.phi)),
+        ("depth", json!(p.depth)),
+        ("connectivity", json!(p.connectivity.neighbours())),
+        (
+            "assignment",
+            json!(match p.assignment {
+                Assignment::Voxel => "voxel",
+                Assignment::ExpectedDistance => "expected_distance",
+            }),
+        ),
+        (
+            "weighting",
+            json!(match p.weighting {
+                Weighting::Uniform => "uniform",
+                Weighting::Information => "information",
+            }),
+        ),
+        (
+            "fit",
+            json!(match p.fit {
+                FitTo::Centres => "centres",
+                FitTo::Points => "points",
+            }),
+        ),
+        ("seeds", json!(if p.random_seeds { "random" } else { "most_certain" })),
+        ("optimise", optimise),
+        ("min_cells", json!(p.min_cells)),
+        ("seed", json!(p.seed)),
+        ("cells_occupied", json!(map.cells[0])),
+        ("cells_dense", json!(map.cells[1])),
+        ("cells_clustered", json!(map.cells[2])),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// The largest planes as a table for people.
+pub fn table(map: &PlaneMap, rows: usize) -> String {
+    let mut text = String::from(
+        "  id      points   cells          a        b        c          d    s_x    s_y    s_z   rms mm    phi\n",
+    );
+    for plane in map.planes.iter().take(rows) {
+        let ([a, b, c, d], [sx, sy, sz]) = (plane.plane.coefficients(), plane.normal_uncertainty);
+        text += &format!(
+            "{:>4} {:>11} {:>7}   {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.3}  {sx:.3}  {sy:.3}  {sz:.3} {:>8.2}  {:.3}\n",
+            plane.id.get(),
+            plane.points,
+            plane.cells,
+            1000.0 * plane.rms,
+            plane.phi,
+        );
+    }
+    if map.planes.len() > rows {
+        text += &format!("  ... and {} more in planes.json\n", map.planes.len() - rows);
+    }
+    text
+}
