@@ -26,19 +26,14 @@ impl Nodes {
         let sensors: Vec<_> = dense.cells().iter().map(|id| mapper.seen_from(*id)).collect();
         let normals = (0..dense.len())
             .into_par_iter()
-            .map_init(
-                || (Walk::default(), Vec::new()),
-                |(walk, cells), node| {
-                    cells.clear();
-                    let around = walk.neighbourhood(&dense, node, params.depth);
-                    cells.extend(around.iter().map(|near| stats[*near as usize]));
-                    let mut normal = estimate(cells, params.fit)?;
-                    if let (Some(sensor), Some(centre)) = (sensors[node], stats[node].mean()) {
-                        normal.fit.normal = towards(normal.fit.normal, centre, sensor);
-                    }
-                    Ok(normal)
-                },
-            )
+            .map_init(Walk::default, |walk, node| {
+                let around = walk.neighbourhood(&dense, node, params.depth);
+                let mut normal = estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)?;
+                if let (Some(sensor), Some(centre)) = (sensors[node], stats[node].mean()) {
+                    normal.fit.normal = towards(normal.fit.normal, centre, sensor);
+                }
+                Ok(normal)
+            })
             .collect();
         Self { dense, stats, normals, sensors }
     }

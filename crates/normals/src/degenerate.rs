@@ -10,13 +10,15 @@ pub enum Degenerate {
         found: usize,
     },
     /// All in one place, to within rounding.
-    #[error("all points are in one place: their largest variance is {variance} m²")]
+    #[error("all points are in one place: their largest variance is {variance:.1e} m²")]
     Coincident {
         /// Largest variance along any direction, in m².
         variance: f64,
     },
     /// All on one line, to within rounding or a ten-thousandth of their extent.
-    #[error("all points are on one line: they vary by {across} m² across it and by {along} m² along it")]
+    #[error(
+        "all points are on one line: they vary by {across:.1e} m² across it and by {along:.1e} m² along it"
+    )]
     Collinear {
         /// Largest variance across the line, in m².
         across: f64,

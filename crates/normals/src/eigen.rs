@@ -15,6 +15,10 @@ pub struct Eigen3 {
     pub vectors: [[f64; 3]; 3],
 }
 
+impl Eigen3 {
+    const NAN: Self = Self { values: [f64::NAN; 3], vectors: [[f64::NAN; 3]; 3] };
+}
+
 /// Each sweep rotates every off-diagonal entry away once and squares what is left, so that four or five reach the
 /// rounding of any matrix; the rest are for nearly equal eigenvalues, and end early.
 const SWEEPS: usize = 12;
@@ -22,7 +26,12 @@ const SWEEPS: usize = 12;
 /// Square of a quarter of the rounding unit: an off-diagonal entry this small beside its diagonal changes nothing.
 const NEGLIGIBLE: f64 = (f64::EPSILON / 4.0) * (f64::EPSILON / 4.0);
 
-/// The eigenvalues and eigenvectors of `matrix`. Entries that are not finite give NaN; there is no other failure.
+/// Square of what is nothing beside a largest entry near 1, whatever the diagonal. Above it no square of an entry is
+/// subnormal, so that rotations keep all their digits.
+const VANISHING: f64 = 1e-200;
+
+/// The eigenvalues and eigenvectors of `matrix`. Entries that are not finite make every number NaN; an eigenvalue beyond
+/// the largest f64 becomes infinite. There is no other failure.
 ///
 /// ```
 /// use terrace_normals::symmetric_eigen;
@@ -37,49 +46,49 @@ pub fn symmetric_eigen(matrix: &SymmetricMatrix3) -> Eigen3 {
     eigen
 }
 
-/// [`symmetric_eigen`] of `N` matrices side by side; 4 is a good number. The result for each matrix does not depend on
-/// the others.
+/// [`symmetric_eigen`] of `N` matrices side by side; 4 is a good number. The result for each matrix is the same to the
+/// last bit, whatever the others are.
 pub fn symmetric_eigen_batch<const N: usize>(matrices: &[SymmetricMatrix3; N]) -> [Eigen3; N] {
-    let scales: [f64; N] = std::array::from_fn(|lane| scale_of(&matrices[lane]));
+    let scales = matrices.map(|m| scale_of(&m));
     let mut lanes = Lanes::<N>::of(matrices, &scales);
     for _ in 0..SWEEPS {
-        lanes.rotate::<0, 1>();
-        lanes.rotate::<0, 2>();
-        lanes.rotate::<1, 2>();
         if lanes.done() {
             break;
         }
+        lanes.rotate::<0, 1>();
+        lanes.rotate::<0, 2>();
+        lanes.rotate::<1, 2>();
     }
-    std::array::from_fn(|lane| lanes.sorted(lane, scales[lane]))
+    lanes.sort();
+    std::array::from_fn(|lane| scales[lane].map_or(Eigen3::NAN, |scale| lanes.get(lane, scale)))
 }
 
-/// A power of two near the largest entry: dividing by it is exact and keeps squares from over- and underflow.
-fn scale_of(m: &SymmetricMatrix3) -> f64 {
+/// A power of two near the largest entry: dividing by it is exact and keeps squares from over- and underflow. `None`
+/// for entries that are not finite.
+fn scale_of(m: &SymmetricMatrix3) -> Option<f64> {
     let largest = m.0.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    if !largest.is_finite() {
-        return f64::NAN;
-    }
-    if largest < f64::MIN_POSITIVE {
-        return f64::MIN_POSITIVE;
-    }
     // The exponent bits alone are the power of two below.
-    f64::from_bits(largest.to_bits() & (0x7ff << 52))
+    let power = f64::from_bits(largest.to_bits() & (0x7ff << 52));
+    m.is_finite().then(|| power.max(f64::MIN_POSITIVE))
 }
 
 struct Lanes<const N: usize> {
     /// The upper triangle, row by row: `a[row][column]`, rows ≤ columns used.
     a: [[[f64; N]; 3]; 3],
-    /// Eigenvectors as columns: `v[component][vector]`.
+    /// Eigenvectors as columns: `v[vector][component]`.
     v: [[[f64; N]; 3]; 3],
 }
 
 impl<const N: usize> Lanes<N> {
-    fn of(matrices: &[SymmetricMatrix3; N], scales: &[f64; N]) -> Self {
+    /// A lane that is not finite works on zeros instead, which are done at once.
+    fn of(matrices: &[SymmetricMatrix3; N], scales: &[Option<f64>; N]) -> Self {
         let mut a = [[[0.0; N]; 3]; 3];
-        for (lane, m) in matrices.iter().enumerate() {
-            for (row, entries) in m.rows().iter().enumerate() {
-                for (column, entry) in entries.iter().enumerate() {
-                    a[row][column][lane] = entry / scales[lane];
+        for lane in 0..N {
+            let Some(scale) = scales[lane] else { continue };
+            let (rows, inverse) = (matrices[lane].rows(), 1.0 / scale);
+            for row in 0..3 {
+                for column in row..3 {
+                    a[row][column][lane] = rows[row][column] * inverse;
                 }
             }
         }
@@ -87,51 +96,89 @@ impl<const N: usize> Lanes<N> {
         Self { a, v }
     }
 
+    /// Whether the entry is too small to matter: relative to both diagonal entries, so that small eigenvalues beside
+    /// large ones keep their digits.
+    #[inline]
+    fn negligible(&self, p: usize, q: usize, lane: usize) -> bool {
+        let off = self.a[p][q][lane];
+        off * off <= NEGLIGIBLE * (self.a[p][p][lane] * self.a[q][q][lane]).abs() + VANISHING
+    }
+
+    /// Whether no lane has anything left to turn. Further sweeps then change no bit, so that a lane that is done early
+    /// ends as it would alone.
+    #[inline]
+    fn done(&self) -> bool {
+        let mut done = true;
+        for lane in 0..N {
+            done &= self.negligible(0, 1, lane) & self.negligible(0, 2, lane) & self.negligible(1, 2, lane);
+        }
+        done
+    }
+
     /// Rotates the plane of axes P < Q so that `a[P][Q]` vanishes.
     #[inline]
     fn rotate<const P: usize, const Q: usize>(&mut self) {
         let r = 3 - P - Q;
         let (p_r, q_r) = ((P.min(r), P.max(r)), (Q.min(r), Q.max(r)));
+        let (mut c, mut s) = ([1.0; N], [0.0; N]);
         for lane in 0..N {
-            let (pp, qq) = (self.a[P][P][lane], self.a[Q][Q][lane]);
-            // Relative to both diagonal entries, so that small eigenvalues beside large ones keep their digits.
-            let off = self.a[P][Q][lane];
-            let off = if off * off <= NEGLIGIBLE * (pp * qq).abs() { 0.0 } else { off };
+            let (pp, qq, off) = (self.a[P][P][lane], self.a[Q][Q][lane], self.a[P][Q][lane]);
+            let turn = !self.negligible(P, Q, lane);
+            // tan of the rotation is the smaller root of t² + 2 t θ − 1 = 0 with θ = difference / (2 off), here as the
+            // quotient of `opposite` and `adjacent`, which needs no division by `off`.
             let difference = qq - pp;
-            // tan of the rotation, the smaller root of t² + 2 t θ − 1 = 0 with θ = difference / (2 off), written so
-            // that it needs no division by `off`; no rotation where `off` is zero already.
-            let root = (difference * difference + 4.0 * off * off).sqrt();
-            let divisor = difference.abs() + root;
-            let t = if off == 0.0 { 0.0 } else { 2.0 * off * 1f64.copysign(difference) / divisor };
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            self.a[P][P][lane] = pp - t * off;
-            self.a[Q][Q][lane] = qq + t * off;
+            let opposite = 2.0 * off * 1f64.copysign(difference);
+            let adjacent = difference.abs() + (difference * difference + opposite * opposite).sqrt();
+            let hypotenuse = (adjacent * adjacent + opposite * opposite).sqrt();
+            c[lane] = if turn { adjacent / hypotenuse } else { 1.0 };
+            s[lane] = if turn { opposite / hypotenuse } else { 0.0 };
+            let shift = if turn { opposite / adjacent * off } else { 0.0 };
+            self.a[P][P][lane] = pp - shift;
+            self.a[Q][Q][lane] = qq + shift;
             self.a[P][Q][lane] = 0.0;
+        }
+        for lane in 0..N {
             let (ap, aq) = (self.a[p_r.0][p_r.1][lane], self.a[q_r.0][q_r.1][lane]);
-            self.a[p_r.0][p_r.1][lane] = c * ap - s * aq;
-            self.a[q_r.0][q_r.1][lane] = s * ap + c * aq;
-            for component in &mut self.v {
-                let (vp, vq) = (component[P][lane], component[Q][lane]);
-                component[P][lane] = c * vp - s * vq;
-                component[Q][lane] = s * vp + c * vq;
+            self.a[p_r.0][p_r.1][lane] = c[lane] * ap - s[lane] * aq;
+            self.a[q_r.0][q_r.1][lane] = s[lane] * ap + c[lane] * aq;
+        }
+        for i in 0..3 {
+            for lane in 0..N {
+                let (vp, vq) = (self.v[P][i][lane], self.v[Q][i][lane]);
+                self.v[P][i][lane] = c[lane] * vp - s[lane] * vq;
+                self.v[Q][i][lane] = s[lane] * vp + c[lane] * vq;
             }
         }
     }
 
-    /// Whether every off-diagonal entry is zero. Further sweeps then turn nothing, so that a lane that is done early
-    /// ends with the same bits as it would alone.
-    fn done(&self) -> bool {
-        (0..N).all(|lane| [(0, 1), (0, 2), (1, 2)].iter().all(|(p, q)| self.a[*p][*q][lane] == 0.0))
+    /// Brings the eigenvalues of every lane into rising order.
+    #[inline]
+    fn sort(&mut self) {
+        for (p, q) in [(0, 1), (1, 2), (0, 1)] {
+            for lane in 0..N {
+                let swap = self.a[q][q][lane] < self.a[p][p][lane];
+                let exchanged = |x: f64, y: f64| if swap { (y, x) } else { (x, y) };
+                (self.a[p][p][lane], self.a[q][q][lane]) = exchanged(self.a[p][p][lane], self.a[q][q][lane]);
+                for i in 0..3 {
+                    (self.v[p][i][lane], self.v[q][i][lane]) =
+                        exchanged(self.v[p][i][lane], self.v[q][i][lane]);
+                }
+            }
+        }
     }
 
-    fn sorted(&self, lane: usize, scale: f64) -> Eigen3 {
-        let values: [f64; 3] = std::array::from_fn(|k| self.a[k][k][lane]);
-        let mut order = [0, 1, 2];
-        order.sort_by(|i, j| values[*i].total_cmp(&values[*j]));
-        let column = |k: usize| -> [f64; 3] { std::array::from_fn(|i| self.v[i][k][lane]) };
-        let (x, y) = (column(order[0]), column(order[1]));
+    #[inline]
+    fn get(&self, lane: usize, scale: f64) -> Eigen3 {
+        // A dozen rotations leave the vectors some roundings off; one Newton step each brings them back.
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let unit = |v: [f64; 3]| v.map(|c| c * (1.5 - 0.5 * dot(v, v)));
+        let [x, y] = [0, 1].map(|k| [0, 1, 2].map(|i| self.v[k][i][lane]));
+        let x = unit(x);
+        let along = dot(x, y);
+        let y = unit([0, 1, 2].map(|i| y[i] - along * x[i]));
         let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
-        Eigen3 { values: order.map(|k| values[k] * scale), vectors: [x, y, z] }
+        let values = [0, 1, 2].map(|k| self.a[k][k][lane] * scale);
+        // A sweep with nothing to turn may still change the sign of a zero; adding zero makes all of them positive.
+        Eigen3 { values: values.map(|v| v + 0.0), vectors: [x, y, z].map(|v| v.map(|c| c + 0.0)) }
     }
 }

@@ -2,13 +2,13 @@
 
 use terrace_stats::{Stats, SymmetricMatrix3};
 
-use crate::{Degenerate, symmetric_eigen};
+use crate::{Degenerate, Eigen3, symmetric_eigen};
 
 /// Variance across a line below this share of the variance along it is a line: points a hundredth of their extent away.
 /// Rounding alone would be 1e-16; but a plane that rests on so narrow a strip may turn about it at the slightest error.
 const COLLINEAR: f64 = 1e-4;
 
-/// Standard deviations below this share of the coordinates' size are rounding.
+/// Standard deviations below this share of the coordinates' size are rounding of the coordinates.
 const COINCIDENT: f64 = 1e-12;
 
 /// A plane of least squares through weighted points.
@@ -26,6 +26,21 @@ pub struct PlaneFit {
 }
 
 impl PlaneFit {
+    /// The plane of an eigen-decomposition of the points' covariance, if it determines one. Variances up to `rounding`
+    /// mean nothing.
+    pub(crate) fn of(eigen: &Eigen3, centroid: [f64; 3], rounding: f64) -> Result<Self, Degenerate> {
+        if !centroid.iter().all(|x| x.is_finite()) {
+            return Err(Degenerate::NotFinite);
+        }
+        determined(eigen.values, rounding)?;
+        Ok(Self {
+            centroid,
+            normal: eigen.vectors[0],
+            axes: [eigen.vectors[2], eigen.vectors[1]],
+            variances: eigen.values.map(|v| v.max(0.0)),
+        })
+    }
+
     /// Root mean square distance of the points from the plane, in metres.
     pub fn rms(&self) -> f64 {
         self.variances[0].max(0.0).sqrt()
@@ -58,10 +73,13 @@ pub fn fit_plane(stats: &Stats) -> Result<PlaneFit, Degenerate> {
         return Err(Degenerate::TooFew { found });
     }
     let (Some(centroid), Some(covariance)) = (stats.mean(), stats.covariance()) else {
-        return Err(Degenerate::NotFinite);
+        let unknown = stats.weight().is_nan();
+        return Err(if unknown { Degenerate::NotFinite } else { Degenerate::TooFew { found: 0 } });
     };
-    let local = stats.moments().mean().unwrap_or_default();
-    from_covariance(centroid, &covariance, local)
+    // The covariance is a difference of squares of this size, each a sum with a rounding per point.
+    let squares: f64 = stats.moments().mean().unwrap_or_default().iter().map(|m| m * m).sum();
+    let subtraction = f64::EPSILON * (stats.count() as f64 + 8.0) * squares;
+    PlaneFit::of(&symmetric_eigen(&covariance), centroid, rounding(centroid) + subtraction)
 }
 
 /// The plane of least squares through these centres, each with the same weight (the paper's fit).
@@ -69,36 +87,56 @@ pub fn fit_plane(stats: &Stats) -> Result<PlaneFit, Degenerate> {
 /// # Errors
 /// As [`fit_plane`].
 pub fn fit_centres(centres: &[[f64; 3]]) -> Result<PlaneFit, Degenerate> {
-    let Some(anchor) = centres.first() else { return Err(Degenerate::TooFew { found: 0 }) };
-    let mut stats = Stats::new(*anchor);
-    for centre in centres {
-        stats.push(&terrace_stats::UncertainVector::exact(*centre));
-    }
-    fit_plane(&stats)
+    let spread = Spread::of(centres.iter().copied())?;
+    PlaneFit::of(&symmetric_eigen(&spread.covariance), spread.centroid, rounding(spread.centroid))
 }
 
-/// `local` is the mean relative to the anchor: the size of the numbers whose squares were subtracted.
-fn from_covariance(
-    centroid: [f64; 3],
-    covariance: &SymmetricMatrix3,
-    local: [f64; 3],
-) -> Result<PlaneFit, Degenerate> {
-    if !covariance.is_finite() || !centroid.iter().all(|x| x.is_finite()) {
+/// Where centres are and how they scatter.
+pub(crate) struct Spread {
+    pub(crate) count: usize,
+    pub(crate) centroid: [f64; 3],
+    pub(crate) covariance: SymmetricMatrix3,
+}
+
+impl Spread {
+    /// In two passes, relative to the first centre, so that no squares are subtracted.
+    pub(crate) fn of(centres: impl Iterator<Item = [f64; 3]> + Clone) -> Result<Self, Degenerate> {
+        let Some(first) = centres.clone().next() else { return Err(Degenerate::TooFew { found: 0 }) };
+        let (mut count, mut sum) = (0, [0.0; 3]);
+        for centre in centres.clone() {
+            count += 1;
+            sum = [0, 1, 2].map(|i| sum[i] + (centre[i] - first[i]));
+        }
+        if count < 3 {
+            return Err(Degenerate::TooFew { found: count });
+        }
+        let share = 1.0 / count as f64;
+        let mean = sum.map(|s| s * share);
+        let mut scatter = SymmetricMatrix3::ZERO;
+        for centre in centres {
+            scatter += SymmetricMatrix3::outer([0, 1, 2].map(|i| (centre[i] - first[i]) - mean[i]));
+        }
+        let centroid = [0, 1, 2].map(|i| first[i] + mean[i]);
+        Ok(Self { count, centroid, covariance: scatter * share })
+    }
+}
+
+/// The variance that coordinates of this size have from being rounded.
+pub(crate) fn rounding(centroid: [f64; 3]) -> f64 {
+    let size = centroid.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    (COINCIDENT * size) * (COINCIDENT * size)
+}
+
+/// Whether these variances, in rising order, are those of a plane.
+pub(crate) fn determined([_, across, along]: [f64; 3], rounding: f64) -> Result<(), Degenerate> {
+    if !(along.is_finite() && rounding.is_finite()) {
         return Err(Degenerate::NotFinite);
     }
-    let eigen = symmetric_eigen(covariance);
-    let [_, across, along] = eigen.values;
-    let size = local.iter().chain(&centroid).fold(0.0, |a: f64, x| a.max(x.abs()));
-    if along <= (COINCIDENT * size).powi(2) {
+    if along <= rounding {
         return Err(Degenerate::Coincident { variance: along });
     }
-    if across <= COLLINEAR * along {
+    if across <= COLLINEAR * along + rounding {
         return Err(Degenerate::Collinear { across, along });
     }
-    Ok(PlaneFit {
-        centroid,
-        normal: eigen.vectors[0],
-        axes: [eigen.vectors[2], eigen.vectors[1]],
-        variances: eigen.values.map(|v| v.max(0.0)),
-    })
+    Ok(())
 }

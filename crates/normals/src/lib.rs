@@ -6,7 +6,7 @@
 //!   Approach for 3D Environment Mapping using Normal Vector Uncertainty"): the min-max uncertainty.
 //! * [`symmetric_eigen`] and [`symmetric_eigen_batch`]: eigenvalues and eigenvectors of symmetric 3×3 matrices by
 //!   Jacobi rotations, the solver under all of it.
-//! * [`towards`]: turns a normal to the sensor.
+//! * [`towards`] turns a normal to the sensor, [`canonical`] to a fixed side.
 //!
 //! ```
 //! use terrace_normals::{Degenerate, FitTo, estimate};
@@ -31,9 +31,17 @@
 //! # Ok::<(), terrace_normals::Degenerate>(())
 //! ```
 //!
+//! # Why this interface
+//! * [`estimate`] takes any iterator over statistics that can be walked again, so that a neighbourhood is named by
+//!   references into a map and nothing is copied or allocated.
+//! * The uncertainty is per component of the normal, as the paper has it. The perturbations are chosen for each component
+//!   and not along the eigenvectors of the plane: where a patch is as long as wide those are a matter of rounding, and
+//!   with them the uncertainty would be, by a third.
+//!
 //! # Accuracy
-//! Fits are relative to a local anchor, so their accuracy does not depend on the distance from the origin. The
-//! eigen-solver is accurate to a few units in the last place of the largest eigenvalue; tests hold it against faer.
+//! Fits are relative to a local anchor, so their accuracy does not depend on the distance from the origin, but for the
+//! rounding of the coordinates themselves. The eigen-solver is accurate to a few units in the last place of the largest
+//! eigenvalue, its vectors to a few roundings of 1. The uncertainty is exact to first order in the errors.
 //!
 //! # Absence and panics
 //! A neighbourhood that determines no plane gives [`Degenerate`] with the reason, never an invented normal. Nothing
@@ -50,3 +58,8 @@ pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};
 pub use fit::{PlaneFit, fit_centres, fit_plane};
 pub use minmax::{FitTo, UncertainNormal, estimate};
 pub use orient::{canonical, towards};
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

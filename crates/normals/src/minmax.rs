@@ -1,9 +1,10 @@
 //! The normal of a neighbourhood and its min-max uncertainty (Definition 3).
 
 use glam::DVec3;
-use terrace_stats::{Stats, UncertainVector};
+use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
 
-use crate::{Degenerate, PlaneFit, fit_centres, fit_plane};
+use crate::fit::{Spread, determined, rounding};
+use crate::{Degenerate, PlaneFit, symmetric_eigen, symmetric_eigen_batch};
 
 /// What the plane of a neighbourhood is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,14 +38,22 @@ impl UncertainNormal {
     }
 }
 
-/// The normal of a neighbourhood of cells, with its min-max uncertainty.
+/// A cell closer to the axis of a tilt than this share of the extent is on it: which side is rounding.
+const ON_AXIS: f64 = 1e-9;
+
+/// The normal of a neighbourhood of cells, with its min-max uncertainty. Allocates nothing; the cells are walked
+/// through a few times.
 ///
 /// # Algorithm
-/// 1. Fit the plane: mean c, normal n, axes e₁, e₂ in the plane.
+/// 1. Fit the plane: mean c, normal n, axes e₁, e₂ in the plane, variances λ₁ ≥ λ₂ ≥ λ₀ along e₁, e₂, n.
 /// 2. The centre of cell i is uncertain by δᵢ along n: δᵢ² = nᵀ (scatter of its points / dᵢ + diag(E) / dᵢ²) n.
-/// 3. For k = 1, 2 and both signs, move every centre cᵢ by ±δᵢ sign((cᵢ − c)·e_k) along n and fit again. To first order
-///    no errors of these sizes tilt the plane about the other axis by more.
-/// 4. The uncertainty is the largest change of each component of the normal over the four fits.
+/// 3. For each component j of the normal and both signs, move every centre cᵢ by ±δᵢ sign((cᵢ − c)·gⱼ) along n, where
+///    gⱼ = e₁ e₁ⱼ / (λ₁ − λ₀) + e₂ e₂ⱼ / (λ₂ − λ₀), and fit again. Moving a centre by t changes nⱼ by −wᵢ t (cᵢ − c)·gⱼ
+///    to first order, wᵢ being its share of the weight, so that no errors up to these sizes change nⱼ by more.
+/// 4. The uncertainty is the largest change of each component of the normal over the six fits.
+///
+/// The fits need no pass over the cells each: moving cells by tᵢ n changes the covariance by
+/// `a nᵀ + n aᵀ + (Σ wᵢ tᵢ² − (Σ wᵢ tᵢ)²) n nᵀ` with `a = Σ wᵢ tᵢ (cᵢ − c)`.
 ///
 /// # Parameters
 /// * `cells`: the statistics of the cells of the neighbourhood, at least three with points.
@@ -53,58 +62,118 @@ impl UncertainNormal {
 /// # Errors
 /// [`Degenerate`] when the plane or the tilt is not determined. The *centres* must not be on a line, whatever is fitted:
 /// the perturbations turn the plane at the centres, and would find centres in a row to be certain.
-pub fn estimate(cells: &[Stats], to: FitTo) -> Result<UncertainNormal, Degenerate> {
-    let mut centres = Vec::with_capacity(cells.len());
-    centres.extend(cells.iter().filter_map(Stats::mean));
-    let through_centres = fit_centres(&centres)?;
-    let fit = match to {
-        FitTo::Centres => through_centres,
-        FitTo::Points => fit_plane(&union(cells.iter().copied(), through_centres.centroid))?,
+pub fn estimate<'c>(
+    cells: impl IntoIterator<Item = &'c Stats, IntoIter: Clone>,
+    to: FitTo,
+) -> Result<UncertainNormal, Degenerate> {
+    let cells = cells.into_iter();
+    let centres = Spread::of(cells.clone().filter_map(Stats::mean))?;
+    let (fit, weight) = match to {
+        FitTo::Centres => {
+            let eigen = symmetric_eigen(&centres.covariance);
+            (PlaneFit::of(&eigen, centres.centroid, rounding(centres.centroid))?, centres.count as f64)
+        }
+        FitTo::Points => fit_union(cells.clone(), &centres)?,
     };
-    let normal = DVec3::from_array(fit.normal);
-    let mut uncertainty = DVec3::ZERO;
-    let mut moved = Vec::with_capacity(cells.len());
-    for axis in fit.axes {
-        for sign in [1.0, -1.0] {
-            moved.clear();
-            moved.extend(cells.iter().filter_map(|cell| perturbed(cell, &fit, axis, sign)));
-            let refit = match to {
-                FitTo::Centres => {
-                    centres.clear();
-                    centres.extend(moved.iter().filter_map(Stats::mean));
-                    fit_centres(&centres)?
-                }
-                FitTo::Points => fit_plane(&union(moved.iter().copied(), fit.centroid))?,
-            };
-            let turned = DVec3::from_array(refit.normal);
-            let turned = if turned.dot(normal) < 0.0 { -turned } else { turned };
-            uncertainty = uncertainty.max((turned - normal).abs());
+    let mut tilts = Tilts::of(&fit);
+    for cell in cells {
+        if cell.weight().is_nan() {
+            return Err(Degenerate::NotFinite);
+        }
+        let (Some(centre), Some(covariance)) = (cell.mean(), cell.covariance_of_mean()) else { continue };
+        // Checked here because the larger of a NaN and 0 is 0: a cell without known error would count as certain.
+        if !covariance.is_finite() {
+            return Err(Degenerate::NotFinite);
+        }
+        let share = if to == FitTo::Centres { 1.0 } else { cell.weight() } / weight;
+        let delta = covariance.quadratic_form(fit.normal).max(0.0).sqrt();
+        tilts.add(DVec3::from_array(centre) - DVec3::from_array(fit.centroid), delta, share);
+    }
+    Ok(UncertainNormal { fit, uncertainty: tilts.largest_change()?.to_array() })
+}
+
+/// The plane through all points of the cells, and their weight.
+fn fit_union<'c>(
+    cells: impl Iterator<Item = &'c Stats>,
+    centres: &Spread,
+) -> Result<(PlaneFit, f64), Degenerate> {
+    let origin = DVec3::from_array(centres.centroid);
+    let (mut weight, mut sum, mut scatter) = (0.0, DVec3::ZERO, SymmetricMatrix3::ZERO);
+    for cell in cells {
+        let (Some(centre), Some(covariance)) = (cell.mean(), cell.covariance()) else { continue };
+        let apart = DVec3::from_array(centre) - origin;
+        weight += cell.weight();
+        sum += apart * cell.weight();
+        scatter += (covariance + SymmetricMatrix3::outer(apart.to_array())) * cell.weight();
+    }
+    let mean = sum / weight;
+    let covariance = scatter * (1.0 / weight) + SymmetricMatrix3::outer(mean.to_array()) * -1.0;
+    // Side by side the two cost hardly more than one.
+    let [of_centres, of_points] = symmetric_eigen_batch(&[centres.covariance, covariance]);
+    determined(of_centres.values, rounding(centres.centroid))?;
+    let centroid = (origin + mean).to_array();
+    Ok((PlaneFit::of(&of_points, centroid, rounding(centroid))?, weight))
+}
+
+/// What the perturbations do to the covariance, in the frame of the plane: e₁, e₂, n.
+struct Tilts {
+    axes: [DVec3; 3],
+    variances: [f64; 3],
+    rounding: f64,
+    /// The direction gⱼ of each component of the normal, times (λ₁ − λ₀)(λ₂ − λ₀), which changes no sign and divides by
+    /// nothing.
+    directions: [DVec3; 3],
+    /// Below this the product with a direction is rounding.
+    on_axis: f64,
+    /// `Σ w t (c − mean)`, `Σ w t` and `Σ w t²` for each component.
+    sums: [(DVec3, f64, f64); 3],
+}
+
+impl Tilts {
+    fn of(fit: &PlaneFit) -> Self {
+        let [first, second] = fit.axes;
+        let [thickness, along, across] = [fit.variances[0], fit.variances[2], fit.variances[1]];
+        let (along_over, across_over) = (along - thickness, across - thickness);
+        Self {
+            axes: [first, second, fit.normal].map(DVec3::from_array),
+            variances: [along, across, thickness],
+            rounding: rounding(fit.centroid),
+            directions: [0, 1, 2].map(|j| DVec3::new(first[j] * across_over, second[j] * along_over, 0.0)),
+            on_axis: ON_AXIS * along_over * along.sqrt(),
+            sums: [(DVec3::ZERO, 0.0, 0.0); 3],
         }
     }
-    Ok(UncertainNormal { fit, uncertainty: uncertainty.to_array() })
-}
 
-/// The cell with all of its points moved along the normal, by as much as its centre is uncertain, up on one side of
-/// the centroid and down on the other.
-fn perturbed(cell: &Stats, fit: &PlaneFit, axis: [f64; 3], sign: f64) -> Option<Stats> {
-    let (centre, covariance) = (cell.mean()?, cell.covariance_of_mean()?);
-    let arm: f64 = (0..3).map(|i| (centre[i] - fit.centroid[i]) * axis[i]).sum();
-    let delta = covariance.quadratic_form(fit.normal).max(0.0).sqrt();
-    let side = if arm > 0.0 {
-        sign
-    } else if arm < 0.0 {
-        -sign
-    } else {
-        0.0
-    };
-    let anchor = cell.anchor();
-    Some(Stats::from_moments([0, 1, 2].map(|i| anchor[i] + side * delta * fit.normal[i]), *cell.moments()))
-}
-
-fn union(cells: impl Iterator<Item = Stats>, anchor: [f64; 3]) -> Stats {
-    let mut all = Stats::new(anchor);
-    for cell in cells {
-        all.merge(&cell);
+    fn add(&mut self, from_centroid: DVec3, delta: f64, share: f64) {
+        let place = DVec3::from_array(self.axes.map(|axis| axis.dot(from_centroid)));
+        for (direction, (pull, mean, square)) in self.directions.iter().zip(&mut self.sums) {
+            let arm = direction.dot(place);
+            if arm.abs() > self.on_axis {
+                let moved = share * delta.copysign(arm);
+                *pull += place * moved;
+                *mean += moved;
+                *square += share * delta * delta;
+            }
+        }
     }
-    all
+
+    fn largest_change(&self) -> Result<DVec3, Degenerate> {
+        let [along, across, thickness] = self.variances;
+        let moved = |signed: usize| {
+            let (pull, mean, square) = self.sums[signed / 2];
+            let pull = if signed.is_multiple_of(2) { pull } else { -pull };
+            let thickness = thickness + 2.0 * pull.z + square - mean * mean;
+            SymmetricMatrix3([along, 0.0, pull.x, across, pull.y, thickness])
+        };
+        let mut largest = DVec3::ZERO;
+        for eigen in symmetric_eigen_batch::<6>(&std::array::from_fn(moved)) {
+            determined(eigen.values, self.rounding)?;
+            let [x, y, z] = eigen.vectors[0];
+            let [x, y] = if z < 0.0 { [-x, -y] } else { [x, y] };
+            // z − 1 without subtracting nearly equal numbers.
+            let shrunk = -(x * x + y * y) / (1.0 + z.abs());
+            largest = largest.max((self.axes[0] * x + self.axes[1] * y + self.axes[2] * shrunk).abs());
+        }
+        Ok(largest)
+    }
 }
