@@ -82,9 +82,9 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ("optimise", optimise),
         ("min_cells", json!(p.min_cells)),
         ("seed", json!(p.seed)),
-        ("cells_occupied", json!(map.cells[0])),
-        ("cells_dense", json!(map.cells[1])),
-        ("cells_clustered", json!(map.cells[2])),
+        ("cells_occupied", json!(map.cell_counts.occupied)),
+        ("cells_dense", json!(map.cell_counts.dense)),
+        ("cells_clustered", json!(map.cell_counts.clustered)),
     ];
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

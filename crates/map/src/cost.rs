@@ -1,6 +1,6 @@
 //! The cost β of a threshold φ (section V).
 
-use terrace_cluster::{Grower, Segmentation};
+use terrace_cluster::{Grower, Interval, Segmentation};
 use terrace_crs::{Cost, Evaluation};
 
 /// How the uncertainties of the clusters are summed up.
@@ -43,12 +43,18 @@ pub struct PhiCost<'n, N> {
     form: CostForm,
     weight_uncertainty: f64,
     weight_clusters: f64,
+    interval: Interval,
 }
 
 impl<'n, N> PhiCost<'n, N> {
     /// The cost of clustering with this grower.
     pub fn new(grower: Grower<'n, N>, form: CostForm, weight_uncertainty: f64, weight_clusters: f64) -> Self {
-        Self { grower, form, weight_uncertainty, weight_clusters }
+        Self { grower, form, weight_uncertainty, weight_clusters, interval: Interval::ALL }
+    }
+
+    /// The step of the last evaluation.
+    pub fn interval(&self) -> Interval {
+        self.interval
     }
 
     /// The grower, for the clusters at the φ that was chosen.
@@ -63,6 +69,7 @@ impl<'g, N: Fn(usize) -> &'g [u32]> Cost for PhiCost<'_, N> {
         // A negative or non-finite φ has no cost; the search reports such an answer with its x.
         let Ok(segmentation) = self.grower.grow(*phi) else { return Evaluation::point(f64::NAN) };
         let interval = segmentation.interval();
+        self.interval = interval;
         let value = beta(segmentation, self.form, self.weight_uncertainty, self.weight_clusters);
         Evaluation::interval(value, interval.lo..interval.hi.unwrap_or(f64::INFINITY))
     }

@@ -1,15 +1,14 @@
 //! From the grid to planes.
 
 use rayon::prelude::*;
-use terrace_cluster::{Grower, Segmentation};
-use terrace_grid::VoxelGrid;
-use terrace_normals::{UncertainNormal, canonical, fit_plane};
-use terrace_stats::{Stats, UncertainVector};
+use terrace_normals::{canonical, fit_plane};
+use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
+use crate::first::First;
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
-use crate::{ExtractError, ExtractedPlane, Mapper, Optimised, PlaneMap, Used};
+use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
 
 /// A part of the work, reported when it begins: for progress and timings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,75 +49,51 @@ impl Mapper {
     /// # Errors
     /// As [`Mapper::extract`].
     pub fn extract_observed(&self, mut begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
-        let grid = self.grid().filter(|grid| !grid.is_empty()).ok_or(ExtractError::Empty)?;
-        let params = *self.params();
-        let tau = params.tau.unwrap_or_else(|| tenth_of_median_density(grid));
-        let used = Used { params, cell_size: grid.cell_size(), chosen: self.chosen_cell_size(), tau };
-
-        begins(Stage::Normals { cells: grid.len() });
-        let nodes = Nodes::of(self, grid, tau, &params);
-        let normals: Vec<Option<UncertainVector>> =
-            nodes.normals.iter().map(|n| n.as_ref().ok().map(UncertainNormal::as_vector)).collect();
-
-        let mut grower =
-            Grower::new(&normals, |node| nodes.dense.neighbours(node), params.omega, params.seed_order())?;
-        let candidates = grower.candidates();
-        begins(Stage::Cluster { cells: candidates });
-        let first = grower.grow(params.phi)?;
-
-        let uncertain = |c: &terrace_cluster::Cluster<'_>| {
-            let worst = c.uncertainty().into_iter().fold(0.0, f64::max);
-            params.optimise.is_some_and(|o| c.nodes().len() > 1 && worst > o.above)
-        };
-        begins(Stage::Optimise { clusters: first.clusters().filter(uncertain).count() });
-        let (parts, optimised) = self.improve(first, &nodes, &normals, uncertain)?;
+        let first = First::cluster(self, &mut begins)?;
+        begins(Stage::Optimise { clusters: first.uncertain(self.params()).count() });
+        let (parts, optimised) = improve(&first, self.params())?;
 
         begins(Stage::Label { points: self.len() });
-        let (planes, plane_of_node) = fit_parts(&parts, &nodes, params.min_cells);
+        let First { grid, nodes, used, clustered, .. } = first;
+        let (planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
         let mut plane_of_cell = vec![None; grid.len()];
-        for (cell, plane) in nodes.dense.cells().iter().zip(plane_of_node) {
-            plane_of_cell[cell.index()] = plane;
+        for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
+            plane_of_cell[cell.index()] = *plane;
         }
-        let labels = self.cells_of_points().iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
-        Ok(PlaneMap { planes, labels, used, cells: [grid.len(), nodes.dense.len(), candidates], optimised })
-    }
-
-    /// Splits the uncertain clusters at their own φ and keeps the others.
-    fn improve(
-        &self,
-        first: &Segmentation,
-        nodes: &Nodes,
-        normals: &[Option<UncertainVector>],
-        uncertain: impl Fn(&terrace_cluster::Cluster<'_>) -> bool + Sync,
-    ) -> Result<(Vec<Part>, Vec<Optimised>), ExtractError> {
-        let params = self.params();
-        let clusters: Vec<_> = first.clusters().enumerate().collect();
-        let splits = clusters
-            .into_par_iter()
-            .map(|(number, cluster)| match &params.optimise {
-                Some(optimise) if uncertain(&cluster) => {
-                    let split = split(cluster, number, &nodes.dense, normals, params, optimise)?;
-                    Ok((split.parts, Some(split.record)))
-                }
-                _ => Ok((vec![Part::of(cluster, first, |node| node)], None)),
-            })
-            .collect::<Result<Vec<_>, ExtractError>>()?;
-        let mut parts = Vec::new();
-        let mut records = Vec::new();
-        for (of_cluster, record) in splits {
-            parts.extend(of_cluster);
-            records.extend(record);
-        }
-        Ok((parts, records))
+        let labels = self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        let cells = nodes
+            .stats
+            .iter()
+            .zip(plane_of_node)
+            .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }))
+            .collect();
+        let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered };
+        Ok(PlaneMap { planes, labels, used, cells, cell_counts, optimised })
     }
 }
 
-/// A tenth of the median number of points of a cell, and at least 4, so that a plane through a cell is more than its
-/// three points.
-fn tenth_of_median_density(grid: &VoxelGrid) -> u64 {
-    let mut densities: Vec<u64> = grid.iter().map(|cell| cell.density()).collect();
-    densities.sort_unstable();
-    (densities.get(densities.len() / 2).copied().unwrap_or(0) / 10).max(4)
+/// Splits the uncertain clusters at their own φ and keeps the others.
+fn improve(first: &First<'_>, params: &Params) -> Result<(Vec<Part>, Vec<Optimised>), ExtractError> {
+    let uncertain: Vec<usize> = first.uncertain(params).collect();
+    let run = &first.segmentation;
+    let splits = (0..run.len())
+        .into_par_iter()
+        .filter_map(|number| Some((number, run.cluster(number)?)))
+        .map(|(number, cluster)| match &params.optimise {
+            Some(optimise) if uncertain.binary_search(&number).is_ok() => {
+                let split = split(&first.part(number), params, optimise)?;
+                Ok((split.parts, Some(split.record)))
+            }
+            _ => Ok((vec![Part::of(cluster, run, |node| node)], None)),
+        })
+        .collect::<Result<Vec<_>, ExtractError>>()?;
+    let mut parts = Vec::new();
+    let mut records = Vec::new();
+    for (of_cluster, record) in splits {
+        parts.extend(of_cluster);
+        records.extend(record);
+    }
+    Ok((parts, records))
 }
 
 /// The planes of the parts with enough cells, sorted by points, and the plane of each node.

@@ -50,11 +50,13 @@ mod cell_size;
 mod cost;
 mod error;
 mod extract;
+mod first;
 mod mapper;
 mod nodes;
 mod optimise;
 mod params;
 mod plane_map;
+mod staircase;
 
 pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{CostForm, PhiCost, beta};
@@ -63,7 +65,8 @@ pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
 pub use params::{Optimise, Params, Weighting};
-pub use plane_map::{ExtractedPlane, PlaneMap, Summary, Used};
+pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
+pub use staircase::BetaStep;
 
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_grid::{Assignment, Connectivity};

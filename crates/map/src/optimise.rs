@@ -2,11 +2,10 @@
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmentation, Subgraph};
+use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmentation};
 use terrace_crs::{Bounds, ControlledRandomSearch, Minimum, Stopping};
-use terrace_grid::DenseCells;
-use terrace_stats::UncertainVector;
 
+use crate::first::Alone;
 use crate::{Optimise, Params, PhiCost};
 
 /// What the search for φ did for one uncertain cluster.
@@ -24,7 +23,6 @@ pub struct Optimised {
 
 /// The parts an uncertain cluster falls into at its own φ.
 pub(crate) struct Split {
-    /// Nodes of the map, per part.
     pub(crate) parts: Vec<Part>,
     pub(crate) record: Optimised,
 }
@@ -49,31 +47,27 @@ impl Part {
     }
 }
 
-/// Clusters the cells of one cluster again at the φ of least cost.
-///
-/// The φ in use is in the first population, so that the cost never rises. `number` tells this cluster's random numbers
-/// from those of the others, whatever thread works on it.
-pub(crate) fn split(
-    cluster: Cluster<'_>,
-    number: usize,
-    dense: &DenseCells,
-    normals: &[Option<UncertainVector>],
+/// β as a function of φ for one cluster.
+pub(crate) fn phi_cost<'a>(
+    cluster: &'a Alone,
     params: &Params,
     optimise: &Optimise,
-) -> Result<Split, ClusterError> {
-    // In order of the cells' keys: what follows then depends on the set of cells alone.
-    let mut nodes = cluster.nodes().to_vec();
-    nodes.sort_unstable();
-    let graph = Subgraph::induced(&nodes, |node| dense.neighbours(node));
-    let normals: Vec<_> = nodes.iter().map(|node| normals[*node as usize]).collect();
+) -> Result<PhiCost<'a, impl Fn(usize) -> &'a [u32] + use<'a>>, ClusterError> {
     let seeds = match params.seed_order() {
-        SeedOrder::Random { seed } => SeedOrder::Random { seed: seed ^ number as u64 },
+        SeedOrder::Random { seed } => SeedOrder::Random { seed: seed ^ cluster.number as u64 },
         certain @ SeedOrder::MostCertain => certain,
     };
-    let grower = Grower::new(&normals, |node| graph.neighbours(node), f64::INFINITY, seeds)?;
-    let mut cost = PhiCost::new(grower, optimise.form, optimise.weight_uncertainty, optimise.weight_clusters);
+    let neighbours = |node| cluster.graph.neighbours(node);
+    let grower = Grower::new(&cluster.normals, neighbours, f64::INFINITY, seeds)?;
+    Ok(PhiCost::new(grower, optimise.form, optimise.weight_uncertainty, optimise.weight_clusters))
+}
+
+/// Clusters the cells of one cluster again at the φ of least cost. The φ in use is in the first population, so that the
+/// cost never rises.
+pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Result<Split, ClusterError> {
+    let mut cost = phi_cost(cluster, params, optimise)?;
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
-    rng.set_stream(number as u64);
+    rng.set_stream(cluster.number as u64);
     let search = ControlledRandomSearch {
         population: Some(optimise.population),
         subset: Some(optimise.subset),
@@ -86,10 +80,11 @@ pub(crate) fn split(
         search.minimise(&mut cost, &bounds, &mut rng).map_err(|_| ClusterError::Phi { phi: params.phi })?;
     let mut grower = cost.into_grower();
     let run = grower.grow(minimum.x.first().copied().unwrap_or(params.phi))?;
-    let parts = run.clusters().map(|part| Part::of(part, run, |local| nodes[local as usize])).collect();
+    let parts =
+        run.clusters().map(|part| Part::of(part, run, |local| cluster.nodes[local as usize])).collect();
     let record = Optimised {
-        cells: nodes.len(),
-        uncertainty_before: cluster.uncertainty(),
+        cells: cluster.nodes.len(),
+        uncertainty_before: cluster.uncertainty,
         clusters: run.len(),
         minimum,
     };

@@ -42,6 +42,28 @@ pub struct Used {
     pub tau: u64,
 }
 
+/// A dense cell and the plane it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LabelledCell {
+    /// Mean of its points, in metres.
+    pub centroid: [f64; 3],
+    /// Number of its points.
+    pub points: u64,
+    /// Its plane.
+    pub plane: Option<PlaneId>,
+}
+
+/// How many cells came how far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellCounts {
+    /// Cells with a point.
+    pub occupied: usize,
+    /// Cells with at least τ points.
+    pub dense: usize,
+    /// Dense cells whose normal was certain enough to take part in the clustering.
+    pub clustered: usize,
+}
+
 /// Counts and averages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
@@ -64,8 +86,10 @@ pub struct PlaneMap {
     pub labels: Vec<Option<PlaneId>>,
     /// The parameters used.
     pub used: Used,
-    /// Occupied cells, dense cells, and dense cells whose normal was certain enough to take part.
-    pub cells: [usize; 3],
+    /// The dense cells in the order of their keys, with the plane each belongs to.
+    pub cells: Vec<LabelledCell>,
+    /// How many cells there are of each kind.
+    pub cell_counts: CellCounts,
     /// What was done for each uncertain cluster, in the order of the first clustering.
     pub optimised: Vec<Optimised>,
 }

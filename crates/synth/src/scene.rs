@@ -15,6 +15,8 @@ use terrace_types::{Plane, PlaneId, Pose};
 pub enum SceneKind {
     /// A table top and two side panels, mutually perpendicular, under white noise.
     Table,
+    /// A board on two panels, aligned with the axes, under white noise.
+    Desk,
     /// A furnished room seen by a depth camera from fourteen places.
     Room,
     /// A corridor with a bend, scanned by a lidar that moves along it.
@@ -23,12 +25,13 @@ pub enum SceneKind {
 
 impl SceneKind {
     /// All scenes, in the order of their declaration.
-    pub const ALL: [Self; 3] = [Self::Table, Self::Room, Self::Corridor];
+    pub const ALL: [Self; 4] = [Self::Table, Self::Desk, Self::Room, Self::Corridor];
 
     /// The name by which [`FromStr`] finds it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Table => "table",
+            Self::Desk => "desk",
             Self::Room => "room",
             Self::Corridor => "corridor",
         }
@@ -37,7 +40,7 @@ impl SceneKind {
     /// How many points are made when the caller does not say.
     pub fn default_points(self) -> usize {
         match self {
-            Self::Table => 30_000,
+            Self::Table | Self::Desk => 30_000,
             Self::Room => 300_000,
             Self::Corridor => 400_000,
         }
@@ -52,7 +55,7 @@ impl std::fmt::Display for SceneKind {
 
 /// There is no scene of this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no scene {name:?}; there are table, room and corridor")]
+#[error("there is no scene {name:?}; there are table, desk, room and corridor")]
 pub struct UnknownScene {
     /// The name as given.
     pub name: String,
@@ -105,6 +108,7 @@ impl Scene {
     pub fn new(kind: SceneKind) -> Self {
         match kind {
             SceneKind::Table => Self::table(),
+            SceneKind::Desk => Self::desk(),
             SceneKind::Room => Self::room(),
             SceneKind::Corridor => Self::corridor(),
         }
@@ -115,6 +119,12 @@ impl Scene {
     /// same size along every axis, 1 cm unless chosen; the place of a sensor is not known.
     pub fn table() -> Self {
         scenes::table()
+    }
+
+    /// A board of 1.2 × 0.8 m at a height of 0.75 m on two side panels that end 4 cm below its surface and 10 cm inside
+    /// its ends: two orientations only, both along an axis. Points and noise as for [`Scene::table`].
+    pub fn desk() -> Self {
+        scenes::desk()
     }
 
     /// A room of 5 × 4 × 2.6 m with a door recessed by 6 cm, two tables, a sideboard, a board that leans at a wall, a

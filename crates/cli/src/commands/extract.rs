@@ -9,8 +9,8 @@ use terrace::{CostForm, Inserted, Mapper, Optimise, Params, PlaneId, PlaneMap, S
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
 use terrace_io::{
-    ErrorSource, FieldChoice, Intrinsics, LabelledPoint, NoiseModel, PlyExtent, ReadOptions, Source, find_sources,
-    read_scan, write_labelled_ply, write_labels_npy,
+    ErrorSource, FieldChoice, Intrinsics, LabelledPoint, NoiseModel, PlyExtent, ReadOptions, Source,
+    find_sources, read_scan, write_labelled_ply, write_labels_npy,
 };
 
 use crate::args::{Cost, ExtractArgs, Preset, ReadArgs, Sensor};
@@ -65,7 +65,9 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
 pub fn read_options(args: &ReadArgs) -> Result<ReadOptions, CliError> {
     let errors = match (args.sigma, args.sensor, &args.sigma_field) {
         (Some(sigma), ..) if !Sigma::is_valid(sigma) => {
-            return Err(CliError::Usage(format!("--sigma is {sigma}, it must be a number of metres from 0 up")));
+            return Err(CliError::Usage(format!(
+                "--sigma is {sigma}, it must be a number of metres from 0 up"
+            )));
         }
         (Some(sigma), ..) => ErrorSource::Model(NoiseModel::Uniform(sigma)),
         (None, Some(Sensor::Kinect), _) => ErrorSource::Model(NoiseModel::Kinect),
@@ -127,10 +129,13 @@ impl Inputs {
         let errors = match (args.read.sigma, args.read.sensor) {
             (Some(sigma), _) => json!({ "sigma": sigma }),
             (None, Some(Sensor::Kinect)) => json!({ "sensor": "kinect" }),
-            (None, None) if self.errors_known => json!({ "field": args.read.sigma_field.as_deref().unwrap_or("sigma") }),
+            (None, None) if self.errors_known => {
+                json!({ "field": args.read.sigma_field.as_deref().unwrap_or("sigma") })
+            }
             (None, None) => Value::Null,
         };
-        let skipped: Vec<_> = self.skipped.iter().map(|(s, why)| json!({ "input": s.path, "reason": why })).collect();
+        let skipped: Vec<_> =
+            self.skipped.iter().map(|(s, why)| json!({ "input": s.path, "reason": why })).collect();
         let preset = match args.preset {
             Preset::Default => "default",
             Preset::Paper => "paper",
@@ -184,7 +189,9 @@ pub fn insert_all(
         timings.grid += inserting.elapsed().as_secs_f64();
     }
     match inputs.skipped.pop() {
-        Some((_, last)) if inputs.used.is_empty() => Err(CliError::NothingUsable { inputs: sources.len(), last }),
+        Some((_, last)) if inputs.used.is_empty() => {
+            Err(CliError::NothingUsable { inputs: sources.len(), last })
+        }
         popped => {
             inputs.skipped.extend(popped);
             Ok(inputs)
@@ -322,7 +329,9 @@ fn summarise(map: &PlaneMap, inputs: &Inputs, args: &ExtractArgs) {
         map.used.tau,
     );
     if !inputs.errors_known {
-        println!("standard errors of the points are unknown (--sigma, --sensor): uncertainties rest on their scatter");
+        println!(
+            "standard errors of the points are unknown (--sigma, --sensor): uncertainties rest on their scatter"
+        );
     }
     println!("written to {}", args.out.display());
 }

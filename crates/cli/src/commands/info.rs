@@ -36,7 +36,9 @@ fn text(info: &Info) -> String {
                 lines.push((name, format!("{lo:.4} to {hi:.4} m ({:.4} m)", hi - lo)));
             }
         }
-        None if info.image_size.is_some() => lines.push(("bounds", "unknown without --intrinsics".to_owned())),
+        None if info.image_size.is_some() => {
+            lines.push(("bounds", "unknown without --intrinsics".to_owned()))
+        }
         None => {}
     }
     if let Some(spacing) = info.spacing {

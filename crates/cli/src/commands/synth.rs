@@ -64,7 +64,13 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     file.write(&args.out.join("planes.json"))?;
     progress.finish();
     if !args.quiet {
-        println!("{}: {} points of {} planes in {}", scene.kind(), extent.points, planes.len(), args.out.display());
+        println!(
+            "{}: {} points of {} planes in {}",
+            scene.kind(),
+            extent.points,
+            planes.len(),
+            args.out.display()
+        );
     }
     Ok(())
 }
