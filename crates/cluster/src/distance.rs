@@ -5,7 +5,8 @@ use terrace_stats::{Moments, UncertainVector};
 /// The expected orientation distance `D = ½ E‖n − n_C‖²` of an uncertain unit normal `n` from the uncertain mean normal
 /// `n_C` of a cluster, by Eq. (3) from the cluster's statistics. `None` for an empty cluster.
 ///
-/// A normal and its opposite mean the same plane: the sign of `n` is chosen so that `n · L ≥ 0`.
+/// A normal and its opposite mean the same plane: the sign of `n` is chosen so that `n · L ≥ 0`. It does not matter which
+/// of the two is given.
 ///
 /// Without errors, and for a cluster of one direction, `D = 1 − cos` of the angle between them: 0 for parallel, 1 for
 /// perpendicular. Errors add to it, half their squares.
@@ -31,5 +32,12 @@ pub fn orientation_distance(normal: &UncertainVector, cluster: &Moments) -> Opti
 pub(crate) fn aligned(normal: &UncertainVector, cluster: &Moments) -> UncertainVector {
     let sum = cluster.sum();
     let along: f64 = (0..3).map(|i| normal.value[i] * sum[i]).sum();
-    if along < 0.0 { normal.flipped() } else { *normal }
+    // Perpendicular, both signs are as near. The choice must not depend on the sign that was given, or the clusters would.
+    let flip = along < 0.0 || along == 0.0 && first_is_negative(normal.value) != first_is_negative(sum);
+    if flip { normal.flipped() } else { *normal }
+}
+
+/// Whether the first component that is not zero is negative: true for one of a vector and its opposite.
+fn first_is_negative(v: [f64; 3]) -> bool {
+    v.iter().find(|x| **x != 0.0).is_some_and(|x| *x < 0.0)
 }

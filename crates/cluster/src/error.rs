@@ -3,7 +3,8 @@
 /// Why nodes could not be clustered.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClusterError {
-    /// The orientation threshold φ must be a finite number from 0 up; 0 joins equal, exact normals only, 1 nearly all.
+    /// The orientation threshold φ must be a finite number from 0 up; 0 joins normals without
+    /// error that equal the cluster's mean to the last bit, 1 nearly all.
     #[error("the orientation threshold phi = {phi} is not a finite number from 0 up")]
     Phi {
         /// The threshold as given.
@@ -22,6 +23,15 @@ pub enum ClusterError {
         node: usize,
         /// Its normal.
         normal: [f64; 3],
+    },
+    /// A normal is not of unit length, to a thousandth: its distances would not be those of directions. Divide it by its
+    /// length, or give `None` when it has none.
+    #[error("the normal of node {node} has the length {length}, not 1")]
+    Length {
+        /// The node.
+        node: usize,
+        /// Length of its normal.
+        length: f64,
     },
     /// Nodes are numbered with 32 bits.
     #[error("{nodes} nodes are more than can be numbered")]

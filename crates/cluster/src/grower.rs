@@ -8,6 +8,9 @@ use terrace_stats::{Moments, UncertainVector};
 use crate::distance::aligned;
 use crate::{ClusterError, Interval, Segmentation};
 
+/// How far the length of a normal may be from 1: single precision and a few rotations are within.
+const UNIT: f64 = 1e-3;
+
 /// Settings of the clustering.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Params {
@@ -57,7 +60,7 @@ pub struct Grower<'n, N> {
 /// Clusters nodes once: [`Grower::new`] and [`Grower::grow`].
 ///
 /// # Errors
-/// [`ClusterError`] for thresholds and normals that are not finite.
+/// [`ClusterError`] for thresholds and normals that are not finite, and normals that are not of unit length.
 pub fn segment<'g>(
     normals: &[Option<UncertainVector>],
     neighbours: impl Fn(usize) -> &'g [u32],
@@ -72,7 +75,7 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
     /// Prepares the clustering of nodes with these normals; nodes without one take no part.
     ///
     /// # Errors
-    /// [`ClusterError`] when ω is not above 0, a normal is not finite, or there are too many nodes.
+    /// [`ClusterError`] when ω is not above 0, a normal is not finite or not of unit length, or there are too many nodes.
     pub fn new(
         normals: &'n [Option<UncertainVector>],
         neighbours: N,
@@ -85,8 +88,13 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
         let nodes =
             u32::try_from(normals.len()).map_err(|_| ClusterError::TooManyNodes { nodes: normals.len() })?;
         for (node, normal) in normals.iter().enumerate() {
-            if let Some(n) = normal.filter(|n| !n.is_finite()) {
+            let Some(n) = normal else { continue };
+            if !n.is_finite() {
                 return Err(ClusterError::Normal { node, normal: n.value });
+            }
+            let length = n.value.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > UNIT {
+                return Err(ClusterError::Length { node, length });
             }
         }
         let total = |node: u32| normals[node as usize].map(|n| n.error.iter().sum::<f64>());

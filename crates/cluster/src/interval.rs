@@ -5,8 +5,8 @@
 pub struct Interval {
     /// The largest distance that was accepted, 0 when none was: the smallest φ with this result.
     pub lo: f64,
-    /// The smallest distance that was rejected: the first φ that may give another result. `None` when nothing was
-    /// rejected, so that every φ from `lo` up gives this result.
+    /// The smallest distance that was rejected: the first φ that may give another result. `None` when no
+    /// finite distance was rejected, so that every φ from `lo` up gives this result.
     pub hi: Option<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Interval {
         let accepted = distance <= phi;
         if accepted {
             self.lo = self.lo.max(distance);
-        } else {
+        } else if distance.is_finite() {
             self.hi = Some(self.hi.map_or(distance, |hi| hi.min(distance)));
         }
         accepted

@@ -33,7 +33,8 @@
 //! a segmentation as a function of φ is therefore a staircase, and one run gives the width of the step it stands on.
 //!
 //! # Errors and limits
-//! Thresholds and normals that are not finite are refused ([`ClusterError`]); a neighbour lookup that names a node
+//! Thresholds and normals that are not finite, and normals that are not of unit length, are refused ([`ClusterError`]); a
+//! neighbour lookup that names a node
 //! beyond the slice has that neighbour ignored. Nothing panics. At most 2³² − 1 nodes.
 
 mod distance;
@@ -49,3 +50,8 @@ pub use grower::{Grower, Params, SeedOrder, segment};
 pub use interval::Interval;
 pub use segmentation::{Cluster, Segmentation};
 pub use subgraph::Subgraph;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
