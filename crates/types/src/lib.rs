@@ -11,6 +11,9 @@
 //! measurement holds NaN coordinates; [`Scan::world_points`] yields `None` there, so that labels can be given for
 //! every input point in order.
 //!
+//! **Errors and panics.** What cannot be meant is refused where it enters, with the offending value in the error; what
+//! is let in needs no second check. Nothing panics.
+//!
 //! ```
 //! use terrace_types::{Frame, Pose, Scan, Sigma};
 //!
@@ -27,9 +30,15 @@ mod plane;
 mod pose;
 mod scan;
 mod sigma;
+mod vector;
 
 pub use label::PlaneId;
 pub use plane::{Plane, PlaneError};
 pub use pose::{MAX_ROTATION_DEVIATION, Pose, PoseError};
 pub use scan::{Frame, Scan, ScanError, WorldPoint};
 pub use sigma::{Sigma, SigmaError};
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,5 +1,7 @@
 //! An infinite plane in Hesse normal form.
 
+use crate::vector::{direction, dot};
+
 /// A plane `a x + b y + c z + d = 0` with unit normal `(a, b, c)` and `d` in metres.
 ///
 /// ```
@@ -19,14 +21,14 @@ pub struct Plane {
 /// Why no plane could be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PlaneError {
-    /// The normal is zero, not finite, or too long or short to be normalised. Give a finite, non-zero direction.
+    /// The normal is zero (or subnormal) along every axis, or not finite. Its length does not matter otherwise.
     #[error("the normal ({}, {}, {}) has no direction", normal[0], normal[1], normal[2])]
     NoDirection {
         /// The normal as given.
         normal: [f64; 3],
     },
-    /// The point on the plane is not finite.
-    #[error("the point ({}, {}, {}) on the plane is not finite", point[0], point[1], point[2])]
+    /// The point on the plane is not finite, or so far away that its distance from the origin is not.
+    #[error("the point ({}, {}, {}) on the plane is not within a finite distance", point[0], point[1], point[2])]
     PointNotFinite {
         /// The point as given.
         point: [f64; 3],
@@ -39,15 +41,9 @@ impl Plane {
     /// # Errors
     /// [`PlaneError`] when the normal has no direction or the point is not finite.
     pub fn through(point: [f64; 3], normal: [f64; 3]) -> Result<Self, PlaneError> {
-        if !point.iter().all(|x| x.is_finite()) {
-            return Err(PlaneError::PointNotFinite { point });
-        }
-        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(length.is_normal()) {
-            return Err(PlaneError::NoDirection { normal });
-        }
-        let normal = normal.map(|x| x / length);
-        Ok(Self { normal, d: -dot(normal, point) })
+        let normal = direction(normal).ok_or(PlaneError::NoDirection { normal })?;
+        let d = -dot(normal, point);
+        if d.is_finite() { Ok(Self { normal, d }) } else { Err(PlaneError::PointNotFinite { point }) }
     }
 
     /// The unit normal `(a, b, c)`.
@@ -76,8 +72,4 @@ impl Plane {
     pub fn flipped(&self) -> Self {
         Self { normal: self.normal.map(|x| -x), d: -self.d }
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

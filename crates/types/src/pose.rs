@@ -1,6 +1,8 @@
 //! A rigid motion from the sensor's frame to the world.
 
-/// How far `RᵀR` may be from the identity, in any entry, for a matrix still to count as a rotation.
+use crate::vector::{cross, direction, dot};
+
+/// How far `R Rᵀ` may be from the identity, in any entry, for a matrix still to count as a rotation.
 ///
 /// Wide enough for poses written with four digits; within it the matrix is made orthonormal on entry.
 pub const MAX_ROTATION_DEVIATION: f64 = 1e-3;
@@ -32,18 +34,18 @@ pub enum PoseError {
         /// The entry found.
         value: f64,
     },
-    /// The upper left 3×3 is not a rotation: its columns are not unit and perpendicular.
+    /// The upper left 3×3 is not a rotation: its rows are not unit and perpendicular.
     #[error(
         "the 3x3 part of the pose is not a rotation: it is {deviation} away from one (at most {MAX_ROTATION_DEVIATION})"
     )]
     NotARotation {
-        /// Largest entry of `RᵀR − I`.
+        /// Largest entry of `R Rᵀ − I`, in absolute value.
         deviation: f64,
     },
     /// The 3×3 part mirrors space (determinant −1). Often two axes were exchanged without turning a third.
     #[error("the 3x3 part of the pose mirrors space instead of rotating it")]
     Mirrored,
-    /// The quaternion is zero and so has no direction.
+    /// The quaternion is zero (or subnormal in every entry) and so has no direction.
     #[error("the quaternion ({}, {}, {}, {}) is zero", quaternion[0], quaternion[1], quaternion[2], quaternion[3])]
     ZeroQuaternion {
         /// The quaternion as given, `x y z w`.
@@ -106,14 +108,10 @@ impl Pose {
     /// # Errors
     /// [`PoseError`] when an entry is not finite or the quaternion is zero.
     pub fn from_quaternion(translation: [f64; 3], quaternion: [f64; 4]) -> Result<Self, PoseError> {
-        if let Some(value) = quaternion.iter().chain(&translation).find(|x| !x.is_finite()) {
+        if let Some(value) = quaternion.iter().find(|x| !x.is_finite()) {
             return Err(PoseError::NotFinite { value: *value });
         }
-        let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
-        if !length.is_normal() {
-            return Err(PoseError::ZeroQuaternion { quaternion });
-        }
-        let [x, y, z, w] = quaternion.map(|q| q / length);
+        let [x, y, z, w] = direction(quaternion).ok_or(PoseError::ZeroQuaternion { quaternion })?;
         let rotation = [
             [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
             [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
@@ -155,14 +153,7 @@ impl Pose {
     }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
+/// Of a vector whose length is near 1 already.
 fn unit(a: [f64; 3]) -> [f64; 3] {
     let length = dot(a, a).sqrt();
     a.map(|x| x / length)
