@@ -45,9 +45,10 @@
 //! weight; with `w = 1/σ²` the mean is the one of least variance and `1/Σw` is that variance.
 //!
 //! # Absence, errors, limits
-//! A set without weight has no mean and no covariance: those are `None`. Nothing here panics. Values are not checked:
-//! a NaN that is pushed makes every later answer NaN, so check at the border ([`UncertainVector::is_finite`]). Counts
-//! saturate at 2⁶⁴ − 1.
+//! A set without weight has no mean and no covariance: those are `None`. Nothing here panics, except that
+//! [`SymmetricMatrix3::get`] needs a row and column that exist. Values are not checked: a NaN that is pushed makes
+//! every later answer about its axis NaN, and a NaN weight leaves the set without weight; check at the border
+//! ([`UncertainVector::is_finite`]). Counts saturate at 2⁶⁴ − 1.
 
 mod matrix;
 mod moments;
@@ -58,3 +59,8 @@ pub use matrix::SymmetricMatrix3;
 pub use moments::Moments;
 pub use stats::Stats;
 pub use vector::UncertainVector;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

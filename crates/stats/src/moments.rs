@@ -102,7 +102,7 @@ impl Moments {
         self.error
     }
 
-    /// The mean `L / W`, whose expectation the virtual centre of Eq. (1) is. `None` without weight.
+    /// The mean `L / W`: the expectation of the virtual centre, Eq. (1). `None` without weight.
     #[inline]
     pub fn mean(&self) -> Option<[f64; 3]> {
         (self.weight > 0.0).then(|| self.sum.map(|s| s / self.weight))
@@ -114,7 +114,10 @@ impl Moments {
         let mean = self.mean()?;
         let mut c = self.second * (1.0 / self.weight) + SymmetricMatrix3::outer(mean) * -1.0;
         for diagonal in [0, 3, 5] {
-            c.0[diagonal] = c.0[diagonal].max(0.0);
+            // Rounding alone makes a variance negative. `f64::max` would also turn NaN into 0.
+            if c.0[diagonal] < 0.0 {
+                c.0[diagonal] = 0.0;
+            }
         }
         Some(c)
     }
