@@ -109,8 +109,8 @@ impl DenseCells {
     /// The nodes directly connected to `node`, in rising order; none for a node that does not exist.
     #[inline]
     pub fn neighbours(&self, node: usize) -> &[u32] {
-        match (self.starts.get(node), self.starts.get(node + 1)) {
-            (Some(start), Some(end)) => &self.neighbours[*start..*end],
+        match self.starts.get(node..) {
+            Some([start, end, ..]) => &self.neighbours[*start..*end],
             _ => &[],
         }
     }

@@ -1,12 +1,12 @@
 //! What a grid refuses.
 
-use crate::MAX_INDEX;
+use crate::{MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE};
 
 /// Why a grid could not be made, or a point or another grid not be added.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum GridError {
-    /// The edge of a voxel must be a positive, finite number of metres that is not subnormal.
-    #[error("the cell size {size} m is not a positive, finite length")]
+    /// The edge of a voxel must be a number of metres from [`MIN_CELL_SIZE`] to [`MAX_CELL_SIZE`].
+    #[error("the cell size {size} m is not a length from {MIN_CELL_SIZE:e} to {MAX_CELL_SIZE:e} m")]
     CellSize {
         /// The size as given.
         size: f64,

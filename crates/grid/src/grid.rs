@@ -95,7 +95,7 @@ impl VoxelGrid {
     /// An empty grid of cubic cells with edges of `size` metres.
     ///
     /// # Errors
-    /// [`GridError::CellSize`] when `size` is not positive, finite and normal.
+    /// [`GridError::CellSize`] when `size` is not positive and finite, see [`validate_cell_size`].
     pub fn new(size: f64, assignment: Assignment) -> Result<Self, GridError> {
         let size = validate_cell_size(size)?;
         Ok(Self { size, assignment, slots: Vec::new(), index: HashMap::default(), last: None })
@@ -237,6 +237,7 @@ impl VoxelGrid {
     }
 
     /// All cells in the order of their keys (x first, then y, then z), which does not depend on the order of insertion.
+    /// Sorts them on every call.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Cell<'_>> {
         let mut cells: Vec<_> = self.founded().collect();
         cells.sort_unstable_by_key(Cell::key);

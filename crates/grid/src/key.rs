@@ -9,12 +9,19 @@ pub type VoxelKey = [i32; 3];
 /// metres from the origin, with room for neighbours.
 pub const MAX_INDEX: i32 = 1_000_000_000;
 
-/// Whether `size` can be the edge of a voxel: positive, finite and not subnormal.
+/// Smallest edge of a voxel in metres. Far below any use: statistics hold squares of lengths, and below it those would be
+/// lost.
+pub const MIN_CELL_SIZE: f64 = 1e-100;
+
+/// Largest edge of a voxel in metres. Far above any use: beyond it squares of lengths would not be finite.
+pub const MAX_CELL_SIZE: f64 = 1e100;
+
+/// Whether `size` can be the edge of a voxel: from [`MIN_CELL_SIZE`] to [`MAX_CELL_SIZE`].
 ///
 /// # Errors
 /// [`GridError::CellSize`] otherwise.
 pub fn validate_cell_size(size: f64) -> Result<f64, GridError> {
-    if size.is_normal() && size > 0.0 { Ok(size) } else { Err(GridError::CellSize { size }) }
+    if (MIN_CELL_SIZE..=MAX_CELL_SIZE).contains(&size) { Ok(size) } else { Err(GridError::CellSize { size }) }
 }
 
 /// The voxel of a position.

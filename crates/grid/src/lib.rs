@@ -31,9 +31,9 @@
 //! smallest expected squared distance to the virtual centres around; it depends on the order of points.
 //!
 //! # Errors and limits
-//! Cell sizes that are not positive, finite and normal numbers are refused, and so are points that are not finite or
-//! further than [`MAX_INDEX`] voxels from the origin: see [`GridError`]. Nothing panics on such input. A grid holds at
-//! most 2³² − 2 cells.
+//! Cell sizes that are not lengths ([`validate_cell_size`]) are refused, and so are points that are not finite or
+//! further than [`MAX_INDEX`] voxels from the origin: see [`GridError`]. Nothing panics on such input, and a refused
+//! point leaves the grid as it was. A grid holds at most 2³² − 2 cells.
 
 mod dense;
 mod error;
@@ -44,5 +44,10 @@ mod neighbourhood;
 pub use dense::{Connectivity, DenseCells};
 pub use error::GridError;
 pub use grid::{Assignment, Cell, CellId, VoxelGrid};
-pub use key::{MAX_INDEX, VoxelKey, validate_cell_size};
+pub use key::{MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE, VoxelKey, validate_cell_size};
 pub use neighbourhood::Walk;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -69,3 +69,24 @@ impl Walk {
         self.walks += 1;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use terrace_stats::UncertainVector;
+
+    use crate::{Assignment, Connectivity, VoxelGrid, Walk};
+
+    #[test]
+    fn marks_do_not_outlive_the_count_of_walks() {
+        let mut grid = VoxelGrid::new(1.0, Assignment::Voxel).unwrap();
+        for x in 0..5 {
+            grid.insert(&UncertainVector::exact([f64::from(x), 0.0, 0.0])).unwrap();
+        }
+        let dense = grid.dense(1, Connectivity::Faces);
+        // Marks of the first two walks, just before the count comes round to them again.
+        let mut walk = Walk { reached: vec![1, 2, 1, 1, 2], walks: u32::MAX - 1, nodes: Vec::new() };
+        assert_eq!(walk.neighbourhood(&dense, 0, 2), [0, 1, 2]);
+        assert_eq!(walk.neighbourhood(&dense, 0, 9), [0, 1, 2, 3, 4]);
+        assert_eq!(walk.neighbourhood(&dense, 4, 9), [4, 3, 2, 1, 0]);
+    }
+}
