@@ -169,16 +169,14 @@ impl<const N: usize> Lanes<N> {
 
     #[inline]
     fn get(&self, lane: usize, scale: f64) -> Eigen3 {
-        // A dozen rotations leave the vectors some roundings off; one Newton step each brings them back.
+        // A dozen rotations leave the lengths some roundings off; one Newton step each brings them back to 1.
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let unit = |v: [f64; 3]| v.map(|c| c * (1.5 - 0.5 * dot(v, v)));
         let [x, y] = [0, 1].map(|k| [0, 1, 2].map(|i| self.v[k][i][lane]));
-        let x = unit(x);
-        let along = dot(x, y);
-        let y = unit([0, 1, 2].map(|i| y[i] - along * x[i]));
+        let (x, y) = (unit(x), unit(y));
         let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
         let values = [0, 1, 2].map(|k| self.a[k][k][lane] * scale);
         // A sweep with nothing to turn may still change the sign of a zero; adding zero makes all of them positive.
-        Eigen3 { values: values.map(|v| v + 0.0), vectors: [x, y, z].map(|v| v.map(|c| c + 0.0)) }
+        Eigen3 { values: values.map(|v| v + 0.0), vectors: [x, y, z] }
     }
 }

@@ -148,7 +148,7 @@ fn twelve_thousand_random_and_nasty_matrices_against_faer() {
     );
     assert!(apart < 12.0, "eigenvalues differ from those of faer by {apart} roundings");
     assert!(residual < 12.0, "residual of {residual} roundings");
-    assert!(skew < 12.0, "vectors are off by {skew} roundings");
+    assert!(skew < 6.0, "vectors are off by {skew} roundings");
 }
 
 #[test]
@@ -214,6 +214,36 @@ fn batches_give_the_bits_of_the_single_solver() {
     for batch in batches {
         let together = symmetric_eigen_batch(batch);
         assert!(batch.iter().zip(&together).all(|(m, e)| bits(e) == bits(&symmetric_eigen(m))));
+    }
+}
+
+#[test]
+fn entries_whose_squares_underflow_keep_the_vectors_perpendicular() {
+    for power in 140..170 {
+        let small = 10f64.powi(-power);
+        for m in [[0.0, small, 0.0, 0.0, 0.0, 1.0], [small, small, -small, 0.0, small, 1.0]] {
+            let e = symmetric_eigen(&SymmetricMatrix3(m));
+            for (j, k) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+                let expected = if j == k { 1.0 } else { 0.0 };
+                assert!((dot(e.vectors[j], e.vectors[k]) - expected).abs() < 6.0 * EPS, "{m:?} {e:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn zeros_of_either_sign_have_the_same_bits_in_every_company() {
+    let busy = SymmetricMatrix3([1.0, 0.5, 0.3, 2.0, -0.4, 1.5]);
+    let zeros = [0.0, -0.0];
+    for signs in 0..64usize {
+        let at = |k: usize| zeros[signs >> k & 1];
+        for (x, y) in [(at(3), at(4)), (1.0, at(4)), (1.0, -2.0)] {
+            for off in [at(5), 0.25, -0.25] {
+                let m = SymmetricMatrix3([x, off, at(0), y, at(1), at(2)]);
+                let [_, e] = symmetric_eigen_batch(&[busy, m]);
+                assert_eq!(bits(&e), bits(&symmetric_eigen(&m)), "{m:?}");
+            }
+        }
     }
 }
 
