@@ -28,7 +28,8 @@ fn keys(grid: &VoxelGrid) -> Vec<VoxelKey> {
 fn an_empty_grid() {
     for rule in RULES {
         let mut grid = VoxelGrid::new(0.1, rule).unwrap();
-        assert!(grid.is_empty() && grid.len() == 0 && grid.iter().len() == 0);
+        assert!(grid.is_empty());
+        assert_eq!([grid.len(), grid.iter().len()], [0, 0]);
         assert!(grid.find([0; 3]).is_none());
         for connectivity in CONNECTIVITIES {
             let dense = grid.dense(0, connectivity);

@@ -28,21 +28,27 @@ fn push(c: &mut Criterion) {
     group.bench_function("moments", |b| {
         b.iter(|| {
             let mut moments = Moments::EMPTY;
-            vectors.iter().for_each(|v| moments.push(black_box(v)));
+            for v in &vectors {
+                moments.push(black_box(v));
+            }
             moments
         });
     });
     group.bench_function("stats", |b| {
         b.iter(|| {
             let mut stats = Stats::new([0.5; 3]);
-            vectors.iter().for_each(|v| stats.push(black_box(v)));
+            for v in &vectors {
+                stats.push(black_box(v));
+            }
             stats
         });
     });
     group.bench_function("stats, weighted", |b| {
         b.iter(|| {
             let mut stats = Stats::new([0.5; 3]);
-            vectors.iter().for_each(|v| stats.push_weighted(black_box(v), 1e4));
+            for v in &vectors {
+                stats.push_weighted(black_box(v), 1e4);
+            }
             stats
         });
     });
@@ -63,7 +69,9 @@ fn merge(c: &mut Criterion) {
     group.bench_function("across anchors", |b| {
         b.iter(|| {
             let mut union = Stats::new([0.5; 3]);
-            cells.iter().for_each(|cell| union.merge(black_box(cell)));
+            for cell in &cells {
+                union.merge(black_box(cell));
+            }
             union
         });
     });
@@ -73,7 +81,9 @@ fn merge(c: &mut Criterion) {
 fn ask(c: &mut Criterion) {
     let vectors = vectors();
     let mut stats = Stats::new([0.5; 3]);
-    vectors.iter().for_each(|v| stats.push(v));
+    for v in &vectors {
+        stats.push(v);
+    }
     let mut group = c.benchmark_group("ask");
     group.throughput(Throughput::Elements(u64::from(COUNT)));
     group.bench_function("expected squared distance", |b| {

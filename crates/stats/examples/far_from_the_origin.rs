@@ -35,10 +35,10 @@ fn main() {
     let [mut whole, other] = halves;
     whole.merge(&other);
     println!("\nTwo halves merged: {} points", whole.count());
-    if let (Some(mean), Some(covariance), Some(of_mean)) =
+    if let (Some([_, _, height]), Some(covariance), Some(of_mean)) =
         (whole.mean(), whole.covariance(), whole.covariance_of_mean())
     {
-        println!("  mean height       {:.6} m", mean[2]);
+        println!("  mean height       {height:.6} m");
         println!("  scatter           {:.4} mm", 1000.0 * covariance.get(2, 2).sqrt());
         println!("  sure of the mean  {:.4} mm", 1000.0 * of_mean.get(2, 2).sqrt());
     }

@@ -51,7 +51,7 @@ fn one_vector_has_no_scatter_but_its_error() {
 #[test]
 fn duplicates_have_no_scatter() {
     // A value that is not a round number relative to the anchor.
-    let stats = exact(&[[10.1, -20.2, 30.3]; 1000]);
+    let stats = exact(&vec![[10.1, -20.2, 30.3]; 1000]);
     assert_eq!(stats.count(), 1000);
     let covariance = stats.covariance().unwrap();
     assert!(covariance.0.iter().all(|c| c.abs() < 1e-15), "{covariance:?}");
