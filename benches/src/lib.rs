@@ -1,1 +1,5 @@
-//! Helpers of the whole-program benches.
+//! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux.
+
+mod usage;
+
+pub use usage::{Usage, UsageError};

@@ -1,7 +1,7 @@
 //! A cell size from the data.
 
-use std::collections::HashMap;
-
+use foldhash::fast::FixedState;
+use hashbrown::HashMap;
 use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
 use terrace_types::Scan;
@@ -27,7 +27,8 @@ pub struct CellSizeChoice {
     /// distance of the eighth neighbour.
     pub spacing: f64,
     /// Median standard error: the larger of what the scan states and the rms distance of a point's thirty neighbours
-    /// from their plane.
+    /// from their plane. Neighbours show noise of up to about twice the spacing; state it when it is larger. Scans of
+    /// fewer than sixty points show none.
     pub sigma: f64,
 }
 
@@ -46,9 +47,11 @@ pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
     for _ in 0..DOUBLINGS {
         let local: Vec<Local> = near_each(&points, &samples, reach);
         let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
-        if 2 * spacings.len() > samples.len() {
+        let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
+        let most = |seen: &[f64]| 2 * seen.len() > samples.len();
+        if most(&spacings) && (most(&noises) || points.len() < 2 * PATCH) {
             let spacing = median(&mut spacings)?;
-            let seen = median(&mut local.iter().filter_map(|l| l.noise).collect::<Vec<_>>()).unwrap_or(0.0);
+            let seen = median(&mut noises).unwrap_or(0.0);
             let sigma = seen.max(stated_sigma(scan));
             let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
             return (cell_size.is_normal() && spacing > 0.0).then_some(CellSizeChoice {
@@ -95,7 +98,7 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
             ]
         })
     };
-    let mut buckets: HashMap<[i64; 3], Vec<[f64; 3]>> =
+    let mut buckets: HashMap<[i64; 3], Vec<[f64; 3]>, FixedState> =
         samples.iter().flat_map(|sample| around(key(sample))).map(|key| (key, Vec::new())).collect();
     for point in points {
         if let Some(bucket) = buckets.get_mut(&key(point)) {
@@ -111,6 +114,11 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
                 .map(|p| ((0..3).map(|i| (p[i] - sample[i]).powi(2)).sum(), *p))
                 .filter(|(squared, _)| *squared <= reach * reach)
                 .collect();
+            // No more than the nearest are looked at.
+            if near.len() > PATCH {
+                near.select_nth_unstable_by(PATCH, |a, b| a.0.total_cmp(&b.0));
+                near.truncate(PATCH);
+            }
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
             Local { spacing: spacing_of(&near), noise: noise_of(sample, &near) }
         })

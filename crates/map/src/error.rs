@@ -1,6 +1,7 @@
 //! What the mapper refuses.
 
 use terrace_cluster::ClusterError;
+use terrace_crs::SearchError;
 use terrace_grid::GridError;
 
 /// A parameter that cannot be used.
@@ -31,19 +32,20 @@ pub enum InsertError {
         /// Number of points that are not absent.
         present: usize,
     },
-    /// Weighting by information needs a standard error above zero for every point.
-    #[error("point {point} has no standard error above zero, which weighting by information needs")]
+    /// Weighting by information needs a standard error for every point that is above zero along each axis, and neither
+    /// so small nor so large that `1/σ²` is no positive, finite number.
+    #[error("point {point} has no standard error with a weight 1/σ², which weighting by information needs")]
     NoWeight {
         /// Index of the point within the scan.
         point: usize,
     },
-    /// The cell size chosen or given is refused by the grid, or the grid is full.
+    /// The cell size chosen is refused by the grid.
     #[error(transparent)]
     Grid(#[from] GridError),
 }
 
 /// Why no planes could be extracted.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExtractError {
     /// No scan with a usable point was inserted.
     #[error("no point was inserted")]
@@ -51,4 +53,7 @@ pub enum ExtractError {
     /// A threshold or normal was refused by the clustering.
     #[error(transparent)]
     Cluster(#[from] ClusterError),
+    /// The search for φ was refused: weights so large that β is not finite.
+    #[error(transparent)]
+    Search(#[from] SearchError),
 }

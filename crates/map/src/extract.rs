@@ -5,6 +5,7 @@ use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
+use crate::facing::face_sensors;
 use crate::first::First;
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
@@ -15,7 +16,7 @@ use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Opti
 pub enum Stage {
     /// Planes are fitted to the neighbourhoods of the dense cells.
     Normals {
-        /// Number of dense cells.
+        /// Number of cells with a point. Those that are dense get a plane.
         cells: usize,
     },
     /// Cells are clustered at the first φ.
@@ -55,12 +56,14 @@ impl Mapper {
 
         begins(Stage::Label { points: self.len() });
         let First { grid, nodes, used, clustered, .. } = first;
-        let (planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
+        let (mut planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
         let mut plane_of_cell = vec![None; grid.len()];
         for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
             plane_of_cell[cell.index()] = *plane;
         }
-        let labels = self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        let labels: Vec<_> =
+            self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        face_sensors(&mut planes, &labels, self.views());
         let cells = nodes
             .stats
             .iter()
@@ -104,7 +107,7 @@ fn fit_parts(parts: &[Part], nodes: &Nodes, min_cells: usize) -> (Vec<ExtractedP
         .filter_map(|part| {
             let stats = union(part, nodes)?;
             let fit = fit_plane(&stats).ok()?;
-            let plane = Plane::through(fit.centroid, facing(fit.normal, part, nodes)).ok()?;
+            let plane = Plane::through(fit.centroid, canonical(fit.normal)).ok()?;
             Some((stats, plane, fit.rms(), part))
         })
         .collect();
@@ -141,25 +144,4 @@ fn union(part: &Part, nodes: &Nodes) -> Option<Stats> {
         all.merge(&nodes.stats[*node as usize]);
     }
     Some(all)
-}
-
-/// The normal, turned the way most of the points were seen from.
-fn facing(normal: [f64; 3], part: &Part, nodes: &Nodes) -> [f64; 3] {
-    let votes: f64 = part
-        .nodes
-        .iter()
-        .filter_map(|node| {
-            let stats = &nodes.stats[*node as usize];
-            let (sensor, centre) = (nodes.sensors[*node as usize]?, stats.mean()?);
-            let side: f64 = (0..3).map(|i| normal[i] * (sensor[i] - centre[i])).sum();
-            Some(side.signum() * stats.weight())
-        })
-        .sum();
-    if votes == 0.0 {
-        canonical(normal)
-    } else if votes < 0.0 {
-        normal.map(|x| -x)
-    } else {
-        normal
-    }
 }

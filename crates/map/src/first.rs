@@ -40,7 +40,7 @@ impl<'m> First<'m> {
         let used = Used { params, cell_size: grid.cell_size(), chosen: mapper.chosen_cell_size(), tau };
 
         begins(Stage::Normals { cells: grid.len() });
-        let nodes = Nodes::of(mapper, grid, tau, &params);
+        let nodes = Nodes::of(grid, tau, &params);
         let normals: Vec<_> =
             nodes.normals.iter().map(|n| n.as_ref().ok().map(UncertainNormal::as_vector)).collect();
 

@@ -50,6 +50,7 @@ mod cell_size;
 mod cost;
 mod error;
 mod extract;
+mod facing;
 mod first;
 mod mapper;
 mod nodes;
@@ -72,3 +73,8 @@ pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_grid::{Assignment, Connectivity};
 pub use terrace_normals::FitTo;
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

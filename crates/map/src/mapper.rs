@@ -14,8 +14,15 @@ pub struct Mapper {
     grid: Option<VoxelGrid>,
     /// The cell of every point so far, scan after scan; `None` for points that were left out.
     cell_of_point: Vec<Option<CellId>>,
-    /// Where the sensor of the scan stood that founded each cell.
-    seen_from: Vec<Option<[f64; 3]>>,
+    /// Where the sensors stood, scan after scan.
+    views: Vec<View>,
+}
+
+/// The points of a scan and where they were seen from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    pub(crate) points: usize,
+    pub(crate) sensor: Option<[f64; 3]>,
 }
 
 /// What became of the points of a scan.
@@ -25,7 +32,7 @@ pub struct Inserted {
     pub points: usize,
     /// Absent points: not finite.
     pub absent: usize,
-    /// Points left out because they are too many cells away from the origin.
+    /// Points left out: too many cells away from the origin, or beyond the number of cells a grid holds.
     pub out_of_range: usize,
     /// The reason for the first point left out.
     pub first_refusal: Option<GridError>,
@@ -38,7 +45,7 @@ impl Mapper {
     /// [`ParamsError`] when a parameter cannot be used.
     pub fn new(params: Params) -> Result<Self, ParamsError> {
         params.validate()?;
-        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), seen_from: Vec::new() })
+        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), views: Vec::new() })
     }
 
     /// The parameters as given.
@@ -70,16 +77,16 @@ impl Mapper {
         &self.cell_of_point
     }
 
-    pub(crate) fn seen_from(&self, cell: CellId) -> Option<[f64; 3]> {
-        self.seen_from.get(cell.index()).copied().flatten()
+    pub(crate) fn views(&self) -> &[View] {
+        &self.views
     }
 
     /// Adds the points of a scan.
     ///
     /// # Errors
     /// [`InsertError`], with the map as it was: when no cell size was given and none can be chosen from this first
-    /// scan; when points are to be weighted by information and one has no standard error above zero; when the grid is
-    /// full.
+    /// scan; when points are to be weighted by information and one has no standard error to weight it by. Single points
+    /// that the grid refuses are left out and counted, see [`Inserted`].
     pub fn insert(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
         if self.params.weighting == Weighting::Information {
             require_errors(scan)?;
@@ -99,7 +106,7 @@ impl Mapper {
         };
         self.chosen = choice;
         let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
-        let sensor = scan.sensor_position();
+        self.views.push(View { points: scan.len(), sensor: scan.sensor_position() });
         self.cell_of_point.reserve(scan.len());
         for point in scan.world_points() {
             let cell = match point {
@@ -119,12 +126,7 @@ impl Mapper {
                     }
                 }
             };
-            if let Some(cell) = cell {
-                inserted.points += 1;
-                if cell.index() == self.seen_from.len() {
-                    self.seen_from.push(sensor);
-                }
-            }
+            inserted.points += usize::from(cell.is_some());
             self.cell_of_point.push(cell);
         }
         self.grid = Some(grid);
@@ -134,16 +136,22 @@ impl Mapper {
     fn add(&self, grid: &mut VoxelGrid, v: &UncertainVector) -> Result<CellId, GridError> {
         match self.params.weighting {
             Weighting::Uniform => grid.insert(v),
-            Weighting::Information => {
-                let [x, y, z] = v.variance();
-                grid.insert_weighted(v, 3.0 / (x + y + z))
-            }
+            Weighting::Information => grid.insert_weighted(v, information(v.variance())),
         }
     }
 }
 
+/// `1/σ²` with the mean of the variances along the axes.
+fn information([x, y, z]: [f64; 3]) -> f64 {
+    3.0 / (x + y + z)
+}
+
 fn require_errors(scan: &Scan) -> Result<(), InsertError> {
-    let without = (0..scan.len())
-        .find(|i| scan.world_point(*i).is_some_and(|p| p.sigma.is_none_or(|s| s.iter().any(|s| *s <= 0.0))));
+    let weighs = |sigma: [f64; 3]| {
+        let weight = information(sigma.map(|s| s * s));
+        sigma.iter().all(|s| *s > 0.0) && weight > 0.0 && weight.is_finite()
+    };
+    let without =
+        (0..scan.len()).find(|i| scan.world_point(*i).is_some_and(|p| !p.sigma.is_some_and(weighs)));
     without.map_or(Ok(()), |point| Err(InsertError::NoWeight { point }))
 }

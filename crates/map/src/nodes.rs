@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 use terrace_grid::{DenseCells, VoxelGrid, Walk};
-use terrace_normals::{Degenerate, UncertainNormal, estimate, towards};
+use terrace_normals::{Degenerate, UncertainNormal, estimate};
 use terrace_stats::Stats;
 
-use crate::{Mapper, Params};
+use crate::Params;
 
 /// Dense cells in the order of their keys, with what is known of each.
 #[derive(Debug, Clone)]
@@ -13,28 +13,21 @@ pub(crate) struct Nodes {
     pub(crate) dense: DenseCells,
     pub(crate) stats: Vec<Stats>,
     pub(crate) normals: Vec<Result<UncertainNormal, Degenerate>>,
-    /// Where each cell was first seen from.
-    pub(crate) sensors: Vec<Option<[f64; 3]>>,
 }
 
 impl Nodes {
     /// Finds the dense cells and fits a plane to the neighbourhood of each (Definitions 2 and 3).
-    pub(crate) fn of(mapper: &Mapper, grid: &VoxelGrid, tau: u64, params: &Params) -> Self {
+    pub(crate) fn of(grid: &VoxelGrid, tau: u64, params: &Params) -> Self {
         let dense = grid.dense(tau, params.connectivity);
         let stats: Vec<Stats> =
             dense.cells().iter().filter_map(|id| grid.get(*id)).map(|cell| cell.stats()).collect();
-        let sensors: Vec<_> = dense.cells().iter().map(|id| mapper.seen_from(*id)).collect();
         let normals = (0..dense.len())
             .into_par_iter()
             .map_init(Walk::default, |walk, node| {
                 let around = walk.neighbourhood(&dense, node, params.depth);
-                let mut normal = estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)?;
-                if let (Some(sensor), Some(centre)) = (sensors[node], stats[node].mean()) {
-                    normal.fit.normal = towards(normal.fit.normal, centre, sensor);
-                }
-                Ok(normal)
+                estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)
             })
             .collect();
-        Self { dense, stats, normals, sensors }
+        Self { dense, stats, normals }
     }
 }

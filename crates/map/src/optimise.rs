@@ -6,7 +6,7 @@ use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmen
 use terrace_crs::{Bounds, ControlledRandomSearch, Minimum, Stopping};
 
 use crate::first::Alone;
-use crate::{Optimise, Params, PhiCost};
+use crate::{ExtractError, Optimise, Params, PhiCost};
 
 /// What the search for φ did for one uncertain cluster.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,8 +63,8 @@ pub(crate) fn phi_cost<'a>(
 }
 
 /// Clusters the cells of one cluster again at the φ of least cost. The φ in use is in the first population, so that the
-/// cost never rises.
-pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Result<Split, ClusterError> {
+/// cost is never above the one there.
+pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Result<Split, ExtractError> {
     let mut cost = phi_cost(cluster, params, optimise)?;
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     rng.set_stream(cluster.number as u64);
@@ -74,10 +74,9 @@ pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Re
         start: vec![vec![params.phi]],
         stopping: Stopping { rounds: Some(optimise.rounds), ..Stopping::default() },
     };
-    // Parameters were checked with the mapper, and β is finite for finite normals: a refusal means φ had no cost.
+    // [0, 1] is an interval; the error is here for its type alone.
     let bounds = Bounds::interval(0.0, 1.0).map_err(|_| ClusterError::Phi { phi: params.phi })?;
-    let minimum =
-        search.minimise(&mut cost, &bounds, &mut rng).map_err(|_| ClusterError::Phi { phi: params.phi })?;
+    let minimum = search.minimise(&mut cost, &bounds, &mut rng)?;
     let mut grower = cost.into_grower();
     let run = grower.grow(minimum.x.first().copied().unwrap_or(params.phi))?;
     let parts =

@@ -6,6 +6,9 @@ use terrace_normals::FitTo;
 
 use crate::{CostForm, ParamsError};
 
+/// The largest population of the search for φ: one that still fits memory for every cluster at once.
+const MAX_POPULATION: usize = 1_000_000;
+
 /// How much each point counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weighting {
@@ -44,7 +47,7 @@ pub struct Params {
     pub random_seeds: bool,
     /// Search for a better φ for each uncertain cluster; `None` leaves clusters as first found.
     pub optimise: Option<Optimise>,
-    /// Clusters of fewer cells are not reported as planes.
+    /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
     /// Seed of everything random.
     pub seed: u64,
@@ -61,9 +64,9 @@ pub struct Optimise {
     pub weight_uncertainty: f64,
     /// Weight w_nc of the number of clusters.
     pub weight_clusters: f64,
-    /// Size n of the population of the controlled random search.
+    /// Size n of the population of the controlled random search, from 2 to a million.
     pub population: usize,
-    /// Size m of the subset a trial is drawn from.
+    /// Size m of the subset a trial is drawn from, from 2 to the population.
     pub subset: usize,
     /// Rounds ζ.
     pub rounds: usize,
@@ -155,8 +158,12 @@ impl Optimise {
         if let Some((name, value)) = weights.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
             return Err(ParamsError::new(name, value, "finite and at least 0"));
         }
-        if self.population < 2 {
-            return Err(ParamsError::new("optimise.population", self.population as f64, "at least 2"));
+        if !(2..=MAX_POPULATION).contains(&self.population) {
+            return Err(ParamsError::new(
+                "optimise.population",
+                self.population as f64,
+                "from 2 to a million",
+            ));
         }
         if !(2..=self.population).contains(&self.subset) {
             return Err(ParamsError::new("optimise.subset", self.subset as f64, "from 2 to the population"));

@@ -10,8 +10,8 @@ use crate::{CellSizeChoice, Optimised, Params};
 pub struct ExtractedPlane {
     /// Its number, from 1: planes are sorted by their points, the largest first.
     pub id: PlaneId,
-    /// The plane of least squares through all points of its cells. The normal points to the side it was seen from, or,
-    /// when no sensor position is known, has a positive largest component.
+    /// The plane of least squares through all points of its cells. The normal points to the side from which most of them
+    /// were seen, or, when no sensor position is known, has a positive largest component.
     pub plane: Plane,
     /// Mean of the points, in metres.
     pub centroid: [f64; 3],

@@ -4,7 +4,7 @@ use terrace_crs::Cost;
 
 use crate::first::First;
 use crate::optimise::phi_cost;
-use crate::{ExtractError, Interval, Mapper, Optimise};
+use crate::{ExtractError, Interval, Mapper};
 
 /// A step of the staircase: the cost and where it holds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,141 @@
+//! Points per CPU second and peak memory of a whole extraction, stage by stage.
+//!
+//! Every case runs in a process of its own, so that its peak of memory is its own: this program starts itself again with
+//! the case as its argument, three times, and prints the run of median CPU time.
+//!
+//! `cargo bench -p terrace-benches --bench extract`
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+use terrace::{Frame, Mapper, Params, Scan, Sigma, Stage};
+use terrace_benches::Usage;
+use terrace_synth::Scene;
+
+const RUNS: usize = 3;
+const INPUTS: [&str; 3] = ["room300k", "synth:300000", "synth:3000000"];
+const STAGES: [&str; 6] = ["load", "grid", "normals", "cluster", "optimise", "label"];
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let outcome = match args.iter().position(|a| a == "--case") {
+        Some(at) => case(&args[at + 1..]),
+        None if args.iter().any(|a| a == "--bench") => table(),
+        None => {
+            println!("nothing is measured without `cargo bench`");
+            Ok(())
+        }
+    };
+    outcome.map_or_else(
+        |error| {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        },
+        |()| ExitCode::SUCCESS,
+    )
+}
+
+/// Seconds of CPU per stage, the load first, then points, planes, and MiB: held as input, at the peak.
+type Row = [f64; STAGES.len() + 4];
+
+fn table() -> Outcome<()> {
+    println!(
+        "| input | points | threads | {} | all but load | points per CPU second | input MiB | peak MiB | planes |",
+        STAGES.join(" | ")
+    );
+    println!("|{}", "---|".repeat(STAGES.len() + 8));
+    for input in INPUTS {
+        if input == "room300k" && !room().is_file() {
+            println!();
+            println!("{input} is left out: no such file in the data folder, set TERRACE_DATA");
+            continue;
+        }
+        for threads in ["1", "2"] {
+            let mut rows = (0..RUNS).map(|_| run(input, threads)).collect::<Outcome<Vec<Row>>>()?;
+            rows.sort_by(|a, b| work(a).total_cmp(&work(b)));
+            print_row(input, threads, &rows[RUNS / 2]);
+        }
+    }
+    Ok(())
+}
+
+/// CPU seconds of everything but the load.
+fn work(row: &Row) -> f64 {
+    row[1..STAGES.len()].iter().sum()
+}
+
+fn print_row(input: &str, threads: &str, row: &Row) {
+    let [points, planes, held, peak] = [0, 1, 2, 3].map(|i| row[STAGES.len() + i]);
+    let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{s:.3}")).collect();
+    println!(
+        "| {input} | {points} | {threads} | {} | {:.3} | {:.2e} | {held:.0} | {peak:.0} | {planes} |",
+        stages.join(" | "),
+        work(row),
+        points / work(row)
+    );
+}
+
+fn run(input: &str, threads: &str) -> Outcome<Row> {
+    let child = Command::new(std::env::current_exe()?)
+        .args(["--case", input, threads])
+        .stderr(Stdio::inherit())
+        .output()?;
+    let text = String::from_utf8(child.stdout)?;
+    let numbers = text.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+    Row::try_from(numbers).map_err(|_| format!("the case {input} on {threads} threads failed").into())
+}
+
+/// One case, in a process of its own: prints its row as numbers.
+fn case(args: &[String]) -> Outcome<()> {
+    let [input, threads] = args else { return Err("--case INPUT THREADS".into()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?).build()?;
+    let scans = load(input)?;
+    let loaded = Usage::now()?;
+
+    let mut mapper = Mapper::new(Params::default())?;
+    for scan in &scans {
+        mapper.insert(scan)?;
+    }
+    let mut marks = vec![Usage::now()?];
+    let mut failed = None;
+    let map = pool.install(|| {
+        mapper.extract_observed(|stage| match Usage::now() {
+            // From the last scan to the first stage nothing but the threads is made ready.
+            Ok(now) if !matches!(stage, Stage::Normals { .. }) => marks.push(now),
+            Ok(_) => {}
+            Err(error) => failed = Some(error),
+        })
+    })?;
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    let end = Usage::now()?;
+    marks.push(end);
+
+    let mut row = vec![loaded.cpu, marks[0].cpu - loaded.cpu];
+    row.extend(marks.windows(2).map(|pair| pair[1].cpu - pair[0].cpu));
+    row.extend([mapper.len() as f64, map.planes.len() as f64, loaded.resident, end.peak]);
+    println!("{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
+    Ok(())
+}
+
+fn load(input: &str) -> Outcome<Vec<Scan>> {
+    if let Some(points) = input.strip_prefix("synth:") {
+        let params = terrace_synth::Params { points: Some(points.parse()?), ..Default::default() };
+        let scene = Scene::room();
+        // A view at a time, so that labels, which are not needed here, do not raise the peak.
+        return Ok(scene.chunks(&params, usize::MAX)?.map(|chunk| chunk.scan.scan).collect());
+    }
+    let cloud = terrace_io::npy::read(&std::fs::read(room())?)?;
+    Ok(vec![Scan::new(cloud.points, Sigma::Unknown, Frame::World { sensor: None })?])
+}
+
+/// `scenes/room300k/points.npy` of the data folder: `TERRACE_DATA`, or `shared/data` beside the repository.
+fn room() -> PathBuf {
+    let data = std::env::var_os("TERRACE_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
+    data.join("scenes/room300k/points.npy")
+}

@@ -1,0 +1,99 @@
+//! CPU time and memory of this process.
+
+use std::fs;
+use std::io;
+
+/// Why the usage of the process is not known.
+#[derive(Debug)]
+pub enum UsageError {
+    /// `/proc` cannot be read: the system is not Linux, or hides it.
+    Io(io::Error),
+    /// A line or number is missing.
+    Format {
+        /// What was looked for.
+        missing: &'static str,
+    },
+}
+
+impl std::fmt::Display for UsageError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "/proc cannot be read: {error}"),
+            Self::Format { missing } => write!(f, "/proc has no {missing}"),
+        }
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+impl From<io::Error> for UsageError {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+/// What this process has used so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Usage {
+    /// Seconds its living threads have run on a CPU, from the scheduler's nanoseconds.
+    pub cpu: f64,
+    /// Memory in use, in MiB.
+    pub resident: f64,
+    /// The most memory that was in use at once, in MiB.
+    pub peak: f64,
+}
+
+impl Usage {
+    /// The usage up to now.
+    ///
+    /// # Errors
+    /// [`UsageError`] where there is no `/proc` with scheduler statistics.
+    pub fn now() -> Result<Self, UsageError> {
+        // The scheduler counts in ticks until a thread lets go of its CPU.
+        std::thread::yield_now();
+        let status = fs::read_to_string("/proc/self/status")?;
+        Ok(Self { cpu: cpu()?, resident: mebibytes(&status, "VmRSS:")?, peak: mebibytes(&status, "VmHWM:")? })
+    }
+}
+
+/// Over all threads: `/proc/self/schedstat` would tell of the first alone.
+fn cpu() -> Result<f64, UsageError> {
+    let mut nanoseconds = 0.0;
+    for task in fs::read_dir("/proc/self/task")? {
+        // A thread that has just ended took its file with it.
+        let Ok(line) = fs::read_to_string(task?.path().join("schedstat")) else { continue };
+        nanoseconds += number(line.split_whitespace().next(), "run time in schedstat")?;
+    }
+    Ok(nanoseconds / 1e9)
+}
+
+fn mebibytes(status: &str, name: &'static str) -> Result<f64, UsageError> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name));
+    Ok(number(line.and_then(|rest| rest.split_whitespace().next()), name)? / 1024.0)
+}
+
+fn number(text: Option<&str>, missing: &'static str) -> Result<f64, UsageError> {
+    text.and_then(|t| t.parse().ok()).ok_or(UsageError::Format { missing })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_and_memory_are_seen() {
+        if !fs::exists("/proc/self/schedstat").unwrap() {
+            return;
+        }
+        let before = Usage::now().unwrap();
+        let block = std::hint::black_box(vec![1_u8; 64 << 20]);
+        while Usage::now().unwrap().cpu < before.cpu + 0.02 {
+            std::hint::black_box(block.iter().map(|b| u64::from(*b)).sum::<u64>());
+        }
+        let after = Usage::now().unwrap();
+        assert!(
+            after.resident > before.resident + 50.0 && after.peak > before.resident + 50.0,
+            "{before:?} {after:?}"
+        );
+    }
+}
