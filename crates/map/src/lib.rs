@@ -70,6 +70,7 @@ pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary,
 pub use staircase::BetaStep;
 
 pub use terrace_cluster::{Interval, SeedOrder};
+pub use terrace_crs::{Minimum, Source, StopReason, Trial};
 pub use terrace_grid::{Assignment, Connectivity};
 pub use terrace_normals::FitTo;
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};

@@ -4,7 +4,7 @@ use terrace_grid::{CellId, GridError, VoxelGrid};
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
 
-use crate::{CellSizeChoice, InsertError, Params, ParamsError, Weighting, choose_cell_size};
+use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting, choose_cell_size};
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
 #[derive(Debug, Clone)]
@@ -46,6 +46,17 @@ impl Mapper {
     pub fn new(params: Params) -> Result<Self, ParamsError> {
         params.validate()?;
         Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), views: Vec::new() })
+    }
+
+    /// Changes how the next extractions search for φ; the points need not be inserted again.
+    ///
+    /// # Errors
+    /// [`ParamsError`] when a setting cannot be used; the old ones stay.
+    pub fn set_optimise(&mut self, optimise: Option<Optimise>) -> Result<(), ParamsError> {
+        let params = Params { optimise, ..self.params };
+        params.validate()?;
+        self.params = params;
+        Ok(())
     }
 
     /// The parameters as given.

@@ -37,7 +37,7 @@ fn text(info: &Info) -> String {
             }
         }
         None if info.image_size.is_some() => {
-            lines.push(("bounds", "unknown without --intrinsics".to_owned()))
+            lines.push(("bounds", "unknown without --intrinsics".to_owned()));
         }
         None => {}
     }
