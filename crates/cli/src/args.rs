@@ -236,6 +236,8 @@ pub enum Sensor {
 pub enum Scene {
     /// Three planes in a table-like structure, white noise
     Table,
+    /// The paper's table-like structure: a board on two panels, along the axes, white noise
+    Desk,
     /// A furnished room seen by a depth camera from fourteen places
     Room,
     /// A corridor with a bend scanned by a lidar

@@ -15,6 +15,7 @@ const CHUNK: usize = 1 << 18;
 pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     let scene = match args.scene {
         args::Scene::Table => Scene::table(),
+        args::Scene::Desk => Scene::desk(),
         args::Scene::Room => Scene::room(),
         args::Scene::Corridor => Scene::corridor(),
     };

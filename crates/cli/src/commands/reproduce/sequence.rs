@@ -52,7 +52,7 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     let clusters: usize = runs.share.optimised.len();
     println!("  {clusters} uncertain clusters were optimised");
     for (name, title, map) in
-        [("fig3.png", "without optimisation", &runs.without), ("fig4.png", "with", &runs.share)]
+        [("fig3.png", "without optimisation", &runs.without), ("fig4.png", "with optimisation", &runs.share)]
     {
         draw(&args.out.join(name), title, map)?;
     }

@@ -119,16 +119,20 @@ fn figures(args: &ReproduceArgs, scan: &Scan, runs: &Runs) -> Result<(), CliErro
 
     let Some(optimised) = runs.share.optimised.first() else { return Ok(()) };
     let steps = runs.mapper.staircase(0, MOST_STEPS)?;
+    // Near 0 every cell is a cluster of its own and the cost many times higher: the interesting part would be flat.
+    let top = 2.0 * steps.last().map_or(f64::INFINITY, |s| s.beta);
     let chart = Staircase {
-        title: "cost of the merged cluster over its threshold".into(),
+        title: "cost of the merged cluster, steep start cut off".into(),
         steps: steps
             .iter()
+            .filter(|s| s.beta <= top)
             .map(|s| Step { low: s.interval.lo, high: s.interval.hi.unwrap_or(1.0).min(1.0), value: s.beta })
             .collect(),
         samples: optimised
             .minimum
             .trace
             .iter()
+            .filter(|t| t.value <= top)
             .map(|t| Sample { x: t.x[0], value: t.value, evaluated: t.source == terrace::Source::Evaluated })
             .collect(),
         best: Some([optimised.minimum.x[0], optimised.minimum.value]),
