@@ -61,7 +61,10 @@ fn help_names_every_option() {
     let commands: [(&str, Vec<&str>); 4] = [
         ("extract", [&extract[..], &read].concat()),
         ("info", read.to_vec()),
-        ("synth", vec!["--out", "--points", "--sigma", "--seed", "--quiet", "table", "room", "corridor"]),
+        (
+            "synth",
+            vec!["--out", "--points", "--sigma", "--seed", "--quiet", "table", "desk", "room", "corridor"],
+        ),
         ("reproduce", vec!["--out", "--data", "--seed", "--seeds", "--intrinsics", "--quiet"]),
     ];
     let overview = terrace(["--help"]).ended_with(0).stdout;
@@ -80,7 +83,7 @@ fn help_names_every_option() {
 #[test]
 fn synthetic_counts_agree() {
     let folder = tempfile::tempdir().unwrap();
-    for scene in ["table", "room", "corridor"] {
+    for scene in ["table", "desk", "room", "corridor"] {
         let out = folder.path().join(scene);
         let text = out.to_str().unwrap();
         let run = terrace(["synth", scene, "--points", "9000", "--out", text]).ended_with(0);

@@ -59,16 +59,16 @@ pub struct ExtractArgs {
     #[arg(long, value_enum, default_value = "default")]
     pub preset: Preset,
     /// Edge of a grid cell in metres [default: from spacing and noise of the first scan]
-    #[arg(long, value_name = "METRES", help_heading = "Method")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Method")]
     pub cell: Option<f64>,
     /// Orientation threshold of the first clustering, 0 to 1 [default: by preset]
-    #[arg(long, value_name = "X", help_heading = "Method")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Method")]
     pub phi: Option<f64>,
     /// Points that make a cell dense [default: a tenth of the median, at least 4]
     #[arg(long, value_name = "N", help_heading = "Method")]
     pub tau: Option<u64>,
     /// Cells whose normal is less certain than this take no part [default: by preset]
-    #[arg(long, value_name = "X", help_heading = "Method")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Method")]
     pub omega: Option<f64>,
     /// Depth of the neighbourhoods normals are fitted to [default: by preset]
     #[arg(long, value_name = "N", help_heading = "Method")]
@@ -119,7 +119,13 @@ pub struct ExtractArgs {
 #[derive(Debug, Args)]
 pub struct ReadArgs {
     /// Standard error of every point in metres
-    #[arg(long, value_name = "METRES", conflicts_with = "sensor", help_heading = "Input")]
+    #[arg(
+        long,
+        value_name = "METRES",
+        conflicts_with = "sensor",
+        allow_negative_numbers = true,
+        help_heading = "Input"
+    )]
     pub sigma: Option<f64>,
     /// Standard errors by the sensor's noise model
     #[arg(long, value_enum, help_heading = "Input")]
@@ -131,7 +137,13 @@ pub struct ReadArgs {
     #[arg(long, value_name = "FX,FY,CX,CY|FILE", help_heading = "Input")]
     pub intrinsics: Option<String>,
     /// Raw units of depth images per metre; raw 0 and 65535 are no measurement
-    #[arg(long, value_name = "N", default_value_t = 1000.0, help_heading = "Input")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1000.0,
+        allow_negative_numbers = true,
+        help_heading = "Input"
+    )]
     pub depth_scale: f64,
 }
 
@@ -154,7 +166,7 @@ pub struct SynthArgs {
     #[arg(long, value_name = "N")]
     pub points: Option<usize>,
     /// Standard error of the points in metres [default: the scene's own sensor]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub sigma: Option<f64>,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -253,5 +265,7 @@ fn parse_vector(text: &str) -> Result<Vector, String> {
         .map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
         .collect::<Option<_>>()
         .ok_or("three numbers with commas between are needed")?;
-    <[f64; 3]>::try_from(numbers).map_err(|n| format!("three numbers are needed, not {}", n.len()))
+    let vector =
+        <[f64; 3]>::try_from(numbers).map_err(|n| format!("three numbers are needed, not {}", n.len()))?;
+    if vector.iter().all(|x| x.abs() <= 0.0) { Err("this is no direction".into()) } else { Ok(vector) }
 }

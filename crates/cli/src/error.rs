@@ -55,7 +55,7 @@ impl CliError {
     /// 2 for wrong arguments, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Usage(_) | Self::Params(_) | Self::Intrinsics(_) => 2,
+            Self::Usage(_) | Self::Params(_) | Self::Intrinsics(_) | Self::Synth(_) => 2,
             _ => 1,
         }
     }

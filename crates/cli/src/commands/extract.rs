@@ -171,7 +171,10 @@ pub fn insert_all(
         timings.load += reading.elapsed().as_secs_f64();
         let inserting = Instant::now();
         for (source, scan) in batch.iter().zip(scans) {
-            match scan.map_err(|e| e.to_string()).and_then(|scan| insert(mapper, &scan, &mut inputs)) {
+            let outcome = scan.map_err(|e| e.to_string()).and_then(|scan| {
+                insert(mapper, &scan, &mut inputs).map_err(|e| format!("{}: {e}", source.path.display()))
+            });
+            match outcome {
                 Ok((count, inserted)) => {
                     if let Some(first) = inserted.first_refusal {
                         let (left_out, path) = (inserted.out_of_range, source.path.display());
