@@ -41,7 +41,7 @@ pub fn insert(mapper: &mut Mapper, scan: &Scan) -> Result<(), CliError> {
     inserted.map(|_| ())
 }
 
-/// Mean of (s_x, s_y, s_z) over the clusters; zeros cannot be mistaken for certainty because the count stands beside.
+/// A row of a table: mean of (s_x, s_y, s_z) over the clusters, dashes where there is none, and their number.
 pub fn row(name: &str, map: &PlaneMap) -> String {
     let summary = map.summary();
     let mean = summary
