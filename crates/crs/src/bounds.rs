@@ -2,23 +2,34 @@
 
 use thiserror::Error;
 
-/// The box in which a minimum is looked for: a closed interval `[lo, hi]` for each axis.
+use crate::Axis;
+
+/// The domain in which a minimum is looked for: the allowed values of each [`Axis`].
 ///
-/// Valid by construction: at least one axis; every end and every width finite; `lo <= hi`. An axis of zero width
-/// is allowed and holds that coordinate fixed.
+/// Valid by construction: at least one axis; every end, value and width finite; `lo <= hi`; lists not empty and
+/// strictly ascending. An axis of zero width is allowed and holds that coordinate fixed.
 ///
 /// ```
-/// use terrace_crs::Bounds;
+/// use terrace_crs::{Axis, Bounds};
 ///
 /// let bounds = Bounds::new([(0.0, 1.0), (-5.0, 5.0)])?;
 /// assert_eq!(bounds.dimension(), 2);
 /// assert!(bounds.contains(&[1.0, 0.0]));
 /// assert!(Bounds::interval(1.0, 0.0).is_err());
+///
+/// // A threshold, a number of neighbours, and one of three sizes.
+/// let mixed = Bounds::of([
+///     Axis::Real { lo: 0.0, hi: 1.0 },
+///     Axis::Integer { lo: 1, hi: 30 },
+///     Axis::List(vec![6.0, 18.0, 26.0]),
+/// ])?;
+/// assert!(mixed.contains(&[0.3, 4.0, 18.0]));
+/// assert!(!mixed.contains(&[0.3, 4.5, 18.0]));
 /// # Ok::<(), terrace_crs::BoundsError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bounds {
-    axes: Vec<(f64, f64)>,
+    axes: Vec<Axis>,
 }
 
 /// Why a box cannot be searched. Axes count from zero.
@@ -58,34 +69,73 @@ pub enum BoundsError {
         /// Its upper end.
         hi: f64,
     },
+    /// A list of allowed values has none.
+    #[error("axis {axis}: the list of values is empty")]
+    EmptyList {
+        /// The axis.
+        axis: usize,
+    },
+    /// A value of a list is NaN or infinite.
+    #[error("axis {axis}: value {index} of the list is {value:?}, not a finite number")]
+    ValueNotFinite {
+        /// The axis.
+        axis: usize,
+        /// Which value of the list.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A list of values must be sorted and hold each value once: ranks in it are what a search moves by.
+    #[error("axis {axis}: value {index} of the list, {value:?}, is not above the one before it, {before:?}")]
+    NotAscending {
+        /// The axis.
+        axis: usize,
+        /// Which value of the list.
+        index: usize,
+        /// The value before it.
+        before: f64,
+        /// The value.
+        value: f64,
+    },
+    /// Whole numbers beyond 2⁵³ are not all `f64`s, and places are.
+    #[error("axis {axis}: the whole numbers [{lo}, {hi}] reach beyond 2^53 from zero")]
+    Inexact {
+        /// The axis.
+        axis: usize,
+        /// Its lowest number.
+        lo: i64,
+        /// Its highest number.
+        hi: i64,
+    },
 }
 
 impl Bounds {
-    /// Bounds from the pair `(lo, hi)` of each axis.
+    /// Bounds of real axes, from the pair `(lo, hi)` of each.
     ///
     /// # Errors
     ///
     /// A [`BoundsError`] for the first axis that breaks a rule above.
     pub fn new(axes: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, BoundsError> {
-        let axes: Vec<(f64, f64)> = axes.into_iter().collect();
+        Self::of(axes.into_iter().map(|(lo, hi)| Axis::Real { lo, hi }))
+    }
+
+    /// Bounds of any axes.
+    ///
+    /// # Errors
+    ///
+    /// A [`BoundsError`] for the first axis that breaks a rule above.
+    pub fn of(axes: impl IntoIterator<Item = Axis>) -> Result<Self, BoundsError> {
+        let axes: Vec<Axis> = axes.into_iter().collect();
         if axes.is_empty() {
             return Err(BoundsError::Empty);
         }
-        for (axis, &(lo, hi)) in axes.iter().enumerate() {
-            if !(lo.is_finite() && hi.is_finite()) {
-                return Err(BoundsError::NotFinite { axis, lo, hi });
-            }
-            if lo > hi {
-                return Err(BoundsError::Reversed { axis, lo, hi });
-            }
-            if !(hi - lo).is_finite() {
-                return Err(BoundsError::TooWide { axis, lo, hi });
-            }
+        for (number, axis) in axes.iter().enumerate() {
+            axis.check(number)?;
         }
         Ok(Self { axes })
     }
 
-    /// Bounds of a single axis.
+    /// Bounds of a single real axis.
     ///
     /// # Errors
     ///
@@ -99,19 +149,37 @@ impl Bounds {
         self.axes.len()
     }
 
-    /// The pair `(lo, hi)` of each axis.
-    pub fn axes(&self) -> &[(f64, f64)] {
+    /// The axes, in the order of the coordinates.
+    pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
-    /// Whether `x` lies inside; both ends belong to the bounds. A NaN, or another number of axes, never does.
+    /// Whether `x` is an allowed place: on each axis an allowed value, both ends included. A NaN, or another number of
+    /// axes, never is.
     pub fn contains(&self, x: &[f64]) -> bool {
         x.len() == self.axes.len() && self.outside(x).is_none()
     }
 
-    /// The first axis on which `x` leaves the bounds. Axes that `x` or the bounds lack are not looked at.
+    /// The allowed place nearest to `x` on each axis; see [`Axis::nearest`]. Axes that `x` lacks are left out.
+    pub fn nearest(&self, x: &[f64]) -> Vec<f64> {
+        self.axes.iter().zip(x).map(|(axis, x)| axis.nearest(*x)).collect()
+    }
+
+    /// The first axis on which `x` is not allowed. Axes that `x` or the bounds lack are not looked at.
     pub(crate) fn outside(&self, x: &[f64]) -> Option<usize> {
-        self.axes.iter().zip(x).position(|((lo, hi), x)| !(lo <= x && x <= hi))
+        self.axes.iter().zip(x).position(|(axis, x)| !axis.contains(*x))
+    }
+
+    /// Whether `x` lies between the ends on each axis, allowed value or not.
+    pub(crate) fn surrounds(&self, x: &[f64]) -> bool {
+        self.axes.iter().zip(x).all(|(axis, x)| axis.lo() <= *x && *x <= axis.hi())
+    }
+
+    /// Moves `x`, which may have left the bounds or the allowed values, to the nearest allowed place.
+    pub(crate) fn snap(&self, x: &mut [f64]) {
+        for (axis, x) in self.axes.iter().zip(x) {
+            *x = axis.nearest(*x);
+        }
     }
 }
 

@@ -1,8 +1,11 @@
 //! Controlled random search.
 
+use std::num::NonZeroUsize;
+
 use rand::Rng;
 
 use crate::ledger::Ledger;
+use crate::population::{self, First, Member};
 use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, draw};
 
 /// Controlled random search: a population that contracts by reflections, without derivatives.
@@ -22,9 +25,11 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 /// 2. Each round, draw *m* of them without replacement and reflect the last through the centroid of the others:
 ///    x' = 2 x̄ − xₘ, with x̄ = (x₁ + … + xₘ₋₁) / (m − 1).
 /// 3. Ask for the cost of x'. If it is strictly below the largest cost in the population, it takes that place.
-/// 4. Stop as [`Stopping`] says; return the lowest cost seen.
+/// 4. Stop as [`Stopping`] says, or when the whole population stands on one known step; return the lowest cost seen.
 ///
 /// On one axis *m* = 2 by default: x' = 2 x₁ − x₂.
+///
+/// On axes of whole numbers or listed values x' is rounded to the nearest allowed value, of two the lower.
 ///
 /// *Ties*: the earlier found wins. Of equal lowest costs the first found is returned; of equal largest costs the one
 /// found last is replaced.
@@ -77,8 +82,14 @@ pub struct ControlledRandomSearch {
     pub subset: Option<usize>,
     /// Places put into the first population, in this order (the figure's input φ): a value in use, or earlier results.
     pub start: Vec<Vec<f64>>,
+    /// How many places of the first population are evaluated together, by
+    /// [`Cost::evaluate_many`]; for costs that can run on several threads. `None`: one.
+    ///
+    /// Places of a group do not profit from each other: two on the same step are both evaluated. A larger group is
+    /// faster on many threads and costs more evaluations. The result does not depend on the number of threads.
+    pub batch: Option<NonZeroUsize>,
     /// When to stop. Rounds left to the method are 50 *n d*, meant for costs that know their steps; for a costly function
-    /// that knows none, set rounds or a spread.
+    /// that knows none, set evaluations, rounds or a spread. A round is one reflection, taken or not.
     pub stopping: Stopping,
 }
 
@@ -119,39 +130,40 @@ impl ControlledRandomSearch {
         steps: &mut Steps,
         rng: &mut (impl Rng + ?Sized),
     ) -> Result<Minimum, SearchError> {
-        let plan = self.plan(cost.dimension(), bounds, steps)?;
-        let mut ledger = Ledger::new(steps);
-        let mut members = Vec::new();
-        let mut starts = self.start.iter();
-        while members.len() < plan.population {
-            let x = starts.next().map_or_else(|| draw::place(bounds, rng), Clone::clone);
-            let value = ledger.ask(cost, &x, 0)?;
-            ledger.accept();
-            members.push(Member { x, value, found: members.len() });
-        }
-
+        let mut ledger = Ledger::open(cost, bounds, steps, &self.stopping)?;
+        let plan = self.plan(bounds)?;
+        let places = || draw::place(bounds, rng);
+        let mut members =
+            match population::first(&mut ledger, &self.start, plan.population, self.batch, places)? {
+                First::Members(members) => members,
+                First::Ended(stop) => return ledger.finish(0, stop),
+            };
         let mut order: Vec<usize> = (0..members.len()).collect();
         let mut trial = vec![0.0; bounds.dimension()];
         let mut rounds = 0;
         loop {
-            let (worst, spread) = range(&members);
+            let (worst, spread) = population::range(&members);
             let one_step = spread == 0.0 && ledger.on_one_step(members.iter().map(|member| &*member.x));
             if let Some(stop) = self.stopping.converged(spread, one_step) {
                 return ledger.finish(rounds, stop);
             }
             // The population stays as it is until a trial is accepted, so the above needs no repetition till then.
             loop {
+                if let Some(stop) = ledger.halt() {
+                    return ledger.finish(rounds, stop);
+                }
                 if rounds == plan.rounds {
                     return ledger.finish(rounds, StopReason::Rounds);
                 }
                 rounds += 1;
-                reflect(&members, draw::subset(&mut order, plan.subset, rng), &mut trial);
-                if !bounds.contains(&trial) {
+                population::reflect(&members, draw::subset(&mut order, plan.subset, rng), &mut trial);
+                if !bounds.surrounds(&trial) {
                     continue;
                 }
-                let value = ledger.ask(cost, &trial, rounds)?;
+                bounds.snap(&mut trial);
+                let value = ledger.ask(&trial, rounds)?;
                 if value < members[worst].value {
-                    ledger.accept();
+                    ledger.accept(1);
                     members[worst] = Member { x: trial.clone(), value, found: members.len() + rounds };
                     break;
                 }
@@ -159,25 +171,9 @@ impl ControlledRandomSearch {
         }
     }
 
-    fn plan(&self, cost: Option<usize>, bounds: &Bounds, steps: &Steps) -> Result<Plan, SearchError> {
+    fn plan(&self, bounds: &Bounds) -> Result<Plan, SearchError> {
         let dimension = bounds.dimension();
-        if let Some(cost) = cost.filter(|&cost| cost != dimension) {
-            return Err(SearchError::CostDimension { cost, bounds: dimension });
-        }
-        if steps.dimension() != dimension {
-            return Err(SearchError::StepsDimension { steps: steps.dimension(), bounds: dimension });
-        }
-        self.stopping.check()?;
-        self.check_starts(bounds)?;
-
-        let starts = self.start.len();
-        let population = self.population.unwrap_or_else(|| (10 * (dimension + 3)).max(starts));
-        if population == 0 {
-            return Err(SearchError::EmptyPopulation);
-        }
-        if starts > population {
-            return Err(SearchError::TooManyStarts { starts, population });
-        }
+        let population = population::size(self.population, 10 * (dimension + 3), &self.start, bounds)?;
         let subset = self.subset.unwrap_or_else(|| (dimension + 1).min(population).max(2));
         if subset < 2 {
             return Err(SearchError::SubsetTooSmall { subset });
@@ -188,87 +184,5 @@ impl ControlledRandomSearch {
         let rounds =
             self.stopping.rounds.unwrap_or_else(|| population.saturating_mul(dimension).saturating_mul(50));
         Ok(Plan { population, subset, rounds })
-    }
-
-    fn check_starts(&self, bounds: &Bounds) -> Result<(), SearchError> {
-        for (index, x) in self.start.iter().enumerate() {
-            if x.len() != bounds.dimension() {
-                let (axes, dimension) = (x.len(), bounds.dimension());
-                return Err(SearchError::StartDimension { index, axes, dimension });
-            }
-            if let Some(axis) = bounds.outside(x) {
-                let (lo, hi) = bounds.axes()[axis];
-                return Err(SearchError::StartOutside { index, axis, value: x[axis], lo, hi });
-            }
-        }
-        Ok(())
-    }
-}
-
-struct Member {
-    x: Vec<f64>,
-    value: f64,
-    /// Later found, larger number.
-    found: usize,
-}
-
-/// The member to be replaced next, and by how much its cost exceeds the lowest.
-fn range(members: &[Member]) -> (usize, f64) {
-    let mut worst = 0;
-    let mut lowest = f64::INFINITY;
-    for (i, member) in members.iter().enumerate() {
-        lowest = lowest.min(member.value);
-        let other = &members[worst];
-        if (member.value, member.found) > (other.value, other.found) {
-            worst = i;
-        }
-    }
-    (worst, members[worst].value - lowest)
-}
-
-/// Writes 2 x̄ − xₘ to `trial`: xₘ is the last chosen member, x̄ the centroid of the others.
-fn reflect(members: &[Member], chosen: &[usize], trial: &mut [f64]) {
-    let [first, others @ .., last] = chosen else { return };
-    let (first, last) = (&members[*first].x, &members[*last].x);
-    let share = 1.0 / (others.len() + 1) as f64;
-    for (axis, new) in trial.iter_mut().enumerate() {
-        // Relative to one member: exact where all coordinates are equal, and no sum of large numbers.
-        let offset: f64 = others.iter().map(|&i| (members[i].x[axis] - first[axis]) * share).sum();
-        let centroid = first[axis] + offset;
-        *new = centroid + (centroid - last[axis]);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn member(x: &[f64], value: f64, found: usize) -> Member {
-        Member { x: x.to_vec(), value, found }
-    }
-
-    #[test]
-    fn the_last_is_reflected_through_the_centroid_of_the_others() {
-        let members =
-            [member(&[1.0, 1.0], 0.0, 0), member(&[0.0, 0.0], 0.0, 1), member(&[2.0, -4.0], 0.0, 2)];
-        let mut trial = [0.0; 2];
-        reflect(&members, &[1, 2, 0], &mut trial);
-        assert_eq!(trial, [1.0, -5.0]);
-        reflect(&members, &[1, 0], &mut trial);
-        assert_eq!(trial, [-1.0, -1.0]);
-    }
-
-    #[test]
-    fn a_shared_coordinate_survives_reflection_to_the_last_bit() {
-        let members: Vec<Member> = (0..7).map(|i| member(&[0.1, f64::MAX], 0.0, i)).collect();
-        let mut trial = [0.0; 2];
-        reflect(&members, &[0, 1, 2, 3, 4, 5, 6], &mut trial);
-        assert_eq!(trial, [0.1, f64::MAX]);
-    }
-
-    #[test]
-    fn of_equal_largest_costs_the_latest_found_is_replaced() {
-        let members = [member(&[0.0], 5.0, 3), member(&[0.0], 5.0, 9), member(&[0.0], 1.0, 10)];
-        assert_eq!(range(&members), (1, 4.0));
     }
 }

@@ -15,7 +15,11 @@ use crate::Step;
 /// What of this can be seen from outside is checked, and a breach is a [`CostError`](crate::CostError) that
 /// names `x`. The receiver is `&mut self` so that a cost may keep buffers and counters.
 ///
-/// Functions and closures become costs by [`from_fn`], [`from_line`] and [`from_stairs`].
+/// On an axis of whole numbers or listed values a step is written in the values as well, and covers the allowed values
+/// between its ends; [`Step::Point`] covers that one value.
+///
+/// Functions and closures become costs by [`from_fn`], [`from_line`] and [`from_stairs`], and by
+/// [`in_parallel`](crate::in_parallel) when they may run on several threads.
 ///
 /// # Examples
 ///
@@ -41,12 +45,88 @@ pub trait Cost {
     /// The value at `x`, and the step around `x` on which it is known to hold.
     fn evaluate(&mut self, x: &[f64]) -> Evaluation;
 
+    /// As [`evaluate`](Self::evaluate), but may give up as soon as it knows that the value is not below `ceiling`, the
+    /// lowest value of the search so far.
+    ///
+    /// A sum of parts that are never negative, for one, can stop adding when it reaches `ceiling`. Only the methods
+    /// that look for a proof ask this way. The default never gives up.
+    ///
+    /// ```
+    /// use terrace_crs::{Answer, Bounds, Cost, Evaluation, StopReason, Sweep};
+    ///
+    /// /// A cost of two parts; the second is the dear one.
+    /// struct Parts;
+    ///
+    /// impl Parts {
+    ///     fn cheap(x: &[f64]) -> Evaluation {
+    ///         let lo = x[0].floor();
+    ///         Evaluation::interval((lo - 7.0).abs(), lo..lo + 1.0)
+    ///     }
+    /// }
+    ///
+    /// impl Cost for Parts {
+    ///     fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+    ///         let cheap = Self::cheap(x);
+    ///         Evaluation { value: cheap.value + 0.5, ..cheap }
+    ///     }
+    ///
+    ///     fn evaluate_below(&mut self, x: &[f64], ceiling: f64) -> Answer {
+    ///         let cheap = Self::cheap(x);
+    ///         if cheap.value >= ceiling { Answer::AtLeast(cheap) } else { Answer::Exact(self.evaluate(x)) }
+    ///     }
+    /// }
+    ///
+    /// let minimum = Sweep::default().minimise(&mut Parts, &Bounds::interval(0.0, 10.0)?)?;
+    /// assert_eq!((minimum.value, minimum.stop), (0.5, StopReason::Certified));
+    /// assert!(minimum.trace.iter().any(|trial| trial.source.is_bound()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn evaluate_below(&mut self, x: &[f64], ceiling: f64) -> Answer {
+        let _ = ceiling;
+        Answer::Exact(self.evaluate(x))
+    }
+
+    /// The answers at several places, in their order; each must be as [`evaluate`](Self::evaluate) would give it.
+    ///
+    /// For costs that can share work or threads between places; the default asks one after another.
+    fn evaluate_many(&mut self, xs: &[Vec<f64>]) -> Vec<Evaluation> {
+        xs.iter().map(|x| self.evaluate(x)).collect()
+    }
+
     /// The number of axes this cost is made for; `None` (the default) when it takes any.
     ///
     /// A search refuses bounds with another number of axes before it asks for a value.
     fn dimension(&self) -> Option<usize> {
         None
     }
+}
+
+impl<C: Cost + ?Sized> Cost for &mut C {
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        (**self).evaluate(x)
+    }
+
+    fn evaluate_below(&mut self, x: &[f64], ceiling: f64) -> Answer {
+        (**self).evaluate_below(x, ceiling)
+    }
+
+    fn evaluate_many(&mut self, xs: &[Vec<f64>]) -> Vec<Evaluation> {
+        (**self).evaluate_many(xs)
+    }
+
+    fn dimension(&self) -> Option<usize> {
+        (**self).dimension()
+    }
+}
+
+/// The answer of a [`Cost`] that may give up early.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// The value, and where it holds.
+    Exact(Evaluation),
+    /// The cost gave up: nowhere on the step is it below the value given, a finite number at or above the ceiling it
+    /// was asked with.
+    AtLeast(Evaluation),
 }
 
 /// The answer of a [`Cost`]: a value, and where it holds.
@@ -143,6 +223,19 @@ mod tests {
         assert_eq!(cost.dimension(), Some(1));
         assert!(cost.evaluate(&[]).value.is_nan());
         assert!(cost.evaluate(&[1.0, 2.0]).value.is_nan());
+    }
+
+    #[test]
+    fn a_borrowed_or_boxed_cost_is_a_cost() {
+        fn ask(mut cost: impl Cost) -> (f64, Answer, usize, Option<usize>) {
+            let many = cost.evaluate_many(&[vec![1.0], vec![2.0]]).len();
+            (cost.evaluate(&[3.0]).value, cost.evaluate_below(&[4.0], 0.0), many, cost.dimension())
+        }
+        let mut cost = from_line(|x| x);
+        let expected = (3.0, Answer::Exact(Evaluation::point(4.0)), 2, Some(1));
+        assert_eq!(ask(&mut cost), expected);
+        let object: &mut dyn Cost = &mut cost;
+        assert_eq!(ask(object), expected);
     }
 
     #[test]

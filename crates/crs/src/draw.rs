@@ -5,12 +5,16 @@
 
 use rand::Rng;
 
-use crate::Bounds;
+use crate::{Axis, Bounds};
 
-/// A place uniformly in the bounds.
+/// A place uniformly in the bounds: by width on real axes, all values alike on the others. One word for each axis.
 pub(crate) fn place(bounds: &Bounds, rng: &mut (impl Rng + ?Sized)) -> Vec<f64> {
-    // The product can round up past `hi` on the last bit.
-    bounds.axes().iter().map(|&(lo, hi)| (lo + (hi - lo) * unit(rng)).min(hi)).collect()
+    let value = |axis: &Axis| match axis {
+        // The product can round up past `hi` on the last bit.
+        Axis::Real { lo, hi } => (lo + (hi - lo) * unit(rng)).min(*hi),
+        other => other.nth(below(other.count().unwrap_or(1), rng)),
+    };
+    bounds.axes().iter().map(value).collect()
 }
 
 /// `count` different entries, uniformly drawn; all of them if there are no more. Leaves `order` permuted: the first
@@ -18,21 +22,23 @@ pub(crate) fn place(bounds: &Bounds, rng: &mut (impl Rng + ?Sized)) -> Vec<f64> 
 pub(crate) fn subset<'o>(order: &'o mut [usize], count: usize, rng: &mut (impl Rng + ?Sized)) -> &'o [usize] {
     let count = count.min(order.len());
     for front in 0..count {
-        order.swap(front, front + below(order.len() - front, rng));
+        let step = below((order.len() - front) as u64, rng);
+        // Below the length, which is a usize.
+        order.swap(front, front + usize::try_from(step).unwrap_or(0));
     }
     &order[..count]
 }
 
 /// A multiple of 2⁻⁵³ in [0, 1).
-fn unit(rng: &mut (impl Rng + ?Sized)) -> f64 {
+pub(crate) fn unit(rng: &mut (impl Rng + ?Sized)) -> f64 {
     (rng.next_u64() >> 11) as f64 * (f64::EPSILON / 2.0)
 }
 
 /// A whole number in [0, n), n > 0, by the high half of a product. Its bias, at most n / 2⁶⁴, is far below what any run can see.
-fn below(n: usize, rng: &mut (impl Rng + ?Sized)) -> usize {
-    let product = u128::from(rng.next_u64()) * n as u128;
+fn below(n: u64, rng: &mut (impl Rng + ?Sized)) -> u64 {
+    let product = u128::from(rng.next_u64()) * u128::from(n);
     // The high half is below n and so fits.
-    usize::try_from(product >> 64).unwrap_or(0)
+    u64::try_from(product >> 64).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -54,6 +60,21 @@ mod tests {
             highest = highest.max(x[0]);
         }
         assert!(lowest < -0.99 && highest > 2.99);
+    }
+
+    #[test]
+    fn values_that_can_be_counted_are_drawn_alike() {
+        let bounds = Bounds::of([Axis::Integer { lo: -1, hi: 1 }, Axis::List(vec![0.5, 7.0])]).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut seen = std::collections::BTreeMap::new();
+        for _ in 0..6000 {
+            let x = place(&bounds, &mut rng);
+            assert!(bounds.contains(&x), "{x:?}");
+            *seen.entry(format!("{x:?}")).or_insert(0_u32) += 1;
+        }
+        // Six places of expectation 1000, five standard deviations either way.
+        assert_eq!(seen.len(), 6);
+        assert!(seen.values().all(|count| count.abs_diff(1000) < 145), "{seen:?}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::CostError;
+use crate::{CostError, StopReason};
 
 /// Why a search gives no result. Positions and axes count from zero.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -31,6 +31,30 @@ pub enum SearchError {
         /// The tolerance asked for.
         spread: f64,
     },
+    /// The target value is NaN, which no value reaches.
+    #[error("the target {target:?} is not a number")]
+    Target {
+        /// The target asked for.
+        target: f64,
+    },
+    /// The search had to end before any value was known: too few evaluations were allowed, or it was cancelled.
+    #[error("the search ended before any value was known: {stop:?}")]
+    NothingSeen {
+        /// Why it ended.
+        stop: StopReason,
+    },
+    /// A sweep goes from step to step, and this cost knows no step at `x`. Other methods work without steps.
+    #[error("the cost tells no step at x = {x:?}: it cannot be swept on a real axis")]
+    NoStep {
+        /// The place.
+        x: f64,
+    },
+    /// A sweep walks along one axis.
+    #[error("a sweep takes 1 axis, the bounds have {axes}")]
+    NotOneAxis {
+        /// The number of axes of the bounds.
+        axes: usize,
+    },
     /// There are more start points than members: raise the population or leave it to the method.
     #[error("{starts} start points do not fit a population of {population}")]
     TooManyStarts {
@@ -48,6 +72,16 @@ pub enum SearchError {
         axes: usize,
         /// The number of axes of the bounds.
         dimension: usize,
+    },
+    /// A start point lies between the bounds of a counted axis, but is none of its values.
+    #[error("start point {index} is not allowed on axis {axis}: {value:?} is none of its values")]
+    StartNotAllowed {
+        /// Which start point.
+        index: usize,
+        /// The first axis on which it is not allowed.
+        axis: usize,
+        /// Its coordinate there.
+        value: f64,
     },
     /// A start point is NaN or outside the bounds.
     #[error("start point {index} is outside the bounds on axis {axis}: {value:?} is not in [{lo:?}, {hi:?}]")]

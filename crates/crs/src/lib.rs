@@ -66,25 +66,34 @@
 // Values and coordinates are compared as given: steps begin and end at exact numbers.
 #![allow(clippy::float_cmp)]
 
+mod axis;
 mod bounds;
+mod certified_search;
 mod controlled_random_search;
 mod cost;
 mod draw;
 mod error;
 mod ledger;
 mod minimum;
+mod parallel;
+mod population;
 mod step;
 mod steps;
 mod stopping;
+mod sweep;
 
+pub use axis::Axis;
 pub use bounds::{Bounds, BoundsError};
+pub use certified_search::{CertifiedSearch, set_knobs};
 pub use controlled_random_search::ControlledRandomSearch;
-pub use cost::{Cost, Evaluation, from_fn, from_line, from_stairs};
+pub use cost::{Answer, Cost, Evaluation, from_fn, from_line, from_stairs};
 pub use error::SearchError;
 pub use minimum::{Minimum, Source, StopReason, Trial};
+pub use parallel::in_parallel;
 pub use step::Step;
 pub use steps::{CostError, Steps};
 pub use stopping::Stopping;
+pub use sweep::Sweep;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

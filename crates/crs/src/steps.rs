@@ -1,7 +1,9 @@
 //! What is already known about a cost.
 
+mod forest;
 mod line;
 mod space;
+mod tree;
 
 use thiserror::Error;
 
@@ -25,10 +27,16 @@ use space::Space;
 /// the cost keeps its [contract](crate::Cost#contract). Disagreement is an error and leaves the store as it was. On a
 /// single axis, steps that overlap are kept as their union. Steps that only touch stay apart.
 ///
+/// # Lower bounds
+///
+/// What a cost answers when it [gives up early](crate::Cost::evaluate_below) is kept apart: a place under a lower bound
+/// is not known, [`find`](Self::find) says nothing of it, and [`bound_at`](Self::bound_at) tells the bound.
+///
 /// # Complexity
 ///
-/// With *k* steps, points included: one axis, O(log *k*) to find and, amortised, to insert. Several axes of number
-/// *d*: O(*d* log *k*) among single points plus O(*d* *k*) among boxes.
+/// With *k* steps, points and bounds included: one axis, O(log *k*) to find and, amortised, to insert. Several axes of
+/// number *d*: boxes are found by bounding-box trees, O(*d* log² *k*) for boxes that overlap little, at worst O(*d k*)
+/// when all overlap at the place; inserting is amortised O(*d* log² *k*) beside the boxes that the new one overlaps.
 ///
 /// # Examples
 ///
@@ -87,6 +95,34 @@ pub enum CostError {
         /// What was known before; a single place is written as the smallest box around it.
         known: Box<Evaluation>,
     },
+    /// The value is below a lower bound that was given for the place before.
+    #[error("the cost at x = {x:?} is {} on {}, but at least {} on {}", new.value, new.step, bound.value, bound.step)]
+    BelowBound {
+        /// Where the cost was evaluated.
+        x: Vec<f64>,
+        /// The lower of the two.
+        new: Box<Evaluation>,
+        /// The lower bound, and where it was said to hold.
+        bound: Box<Evaluation>,
+    },
+    /// The cost gave up at a value below the ceiling, where it had to go on.
+    #[error("the cost at x = {x:?} gave up at {bound:?}, below the ceiling {ceiling:?}")]
+    BelowCeiling {
+        /// Where the cost was evaluated.
+        x: Vec<f64>,
+        /// The lower bound it gave.
+        bound: f64,
+        /// The ceiling it was asked with.
+        ceiling: f64,
+    },
+    /// Asked for several places at once, the cost gave another number of answers.
+    #[error("the cost was asked at {asked} places and gave {answered} answers")]
+    Answers {
+        /// The number of places.
+        asked: usize,
+        /// The number of answers.
+        answered: usize,
+    },
     /// The place itself is not one of this store: it has NaN or infinite coordinates or another number of axes.
     #[error("x = {x:?} is not a place with {dimension} finite coordinates")]
     NoPlace {
@@ -111,7 +147,7 @@ impl Steps {
         self.dimension
     }
 
-    /// The number of known steps, single points included.
+    /// The number of known steps, single points included, lower bounds not.
     pub fn len(&self) -> usize {
         match &self.store {
             Store::Line(line) => line.len(),
@@ -119,7 +155,7 @@ impl Steps {
         }
     }
 
-    /// Whether nothing is known yet.
+    /// Whether no value is known yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -128,7 +164,7 @@ impl Steps {
     pub fn find(&self, x: &[f64]) -> Option<f64> {
         match &self.store {
             Store::Line(line) => line.find(x).map(|(_, run)| run.value),
-            Store::Space(space) => space.find(x),
+            Store::Space(space) => self.own(x).and_then(|x| space.find(x)),
         }
     }
 
@@ -138,7 +174,16 @@ impl Steps {
     pub fn step_at(&self, x: &[f64]) -> Option<Evaluation> {
         match &self.store {
             Store::Line(line) => line.find(x).map(|(lo, run)| run.evaluation(lo)),
-            Store::Space(space) => space.step_at(x),
+            Store::Space(space) => self.own(x).and_then(|x| space.step_at(x)),
+        }
+    }
+
+    /// The highest lower bound known at `x` and a step around `x` on which it holds, if any was given there. Known
+    /// values are not lower bounds in this sense.
+    pub fn bound_at(&self, x: &[f64]) -> Option<Evaluation> {
+        match &self.store {
+            Store::Line(line) => line.find_bound(x).map(|(lo, run)| run.evaluation(lo)),
+            Store::Space(space) => self.own(x).and_then(|x| space.bound_at(x)),
         }
     }
 
@@ -148,6 +193,41 @@ impl Steps {
     ///
     /// A [`CostError`]; the store is then unchanged.
     pub fn insert(&mut self, x: &[f64], evaluation: &Evaluation) -> Result<(), CostError> {
+        self.check(x, evaluation)?;
+        let new = || Box::new(evaluation.clone());
+        let bound = match &self.store {
+            Store::Line(line) => line.bound_above(x, evaluation),
+            Store::Space(space) => space.bound_above(x, evaluation),
+        };
+        if let Some(bound) = bound {
+            return Err(CostError::BelowBound { x: x.to_vec(), new: new(), bound: Box::new(bound) });
+        }
+        let conflict = match &mut self.store {
+            Store::Line(line) => line.insert(x, evaluation),
+            Store::Space(space) => space.insert(x, evaluation),
+        };
+        conflict.map_or(Ok(()), |known| {
+            Err(CostError::Disagreement { x: x.to_vec(), new: new(), known: Box::new(known) })
+        })
+    }
+
+    /// Learns that the cost gave up at `x`: its value there is a lower bound on the step.
+    ///
+    /// # Errors
+    ///
+    /// A [`CostError`]; the store is then unchanged.
+    pub fn insert_bound(&mut self, x: &[f64], bound: &Evaluation) -> Result<(), CostError> {
+        self.check(x, bound)?;
+        let below = match &mut self.store {
+            Store::Line(line) => line.insert_bound(x, bound),
+            Store::Space(space) => space.insert_bound(x, bound),
+        };
+        below.map_or(Ok(()), |known| {
+            Err(CostError::BelowBound { x: x.to_vec(), new: Box::new(known), bound: Box::new(bound.clone()) })
+        })
+    }
+
+    fn check(&self, x: &[f64], evaluation: &Evaluation) -> Result<(), CostError> {
         let Evaluation { value, step } = evaluation;
         if x.len() != self.dimension || !x.iter().all(|v| v.is_finite()) {
             return Err(CostError::NoPlace { x: x.to_vec(), dimension: self.dimension });
@@ -158,26 +238,38 @@ impl Steps {
         if !step.contains(x, x) {
             return Err(CostError::StepWithoutX { x: x.to_vec(), step: step.clone() });
         }
-        let conflict = match &mut self.store {
-            Store::Line(line) => line.insert(x, evaluation),
-            Store::Space(space) => space.insert(x, evaluation),
-        };
-        conflict.map_or(Ok(()), |known| {
-            Err(CostError::Disagreement {
-                x: x.to_vec(),
-                new: Box::new(evaluation.clone()),
-                known: Box::new(known),
-            })
-        })
+        Ok(())
+    }
+
+    /// The place, if it has as many axes as the store.
+    fn own<'x>(&self, x: &'x [f64]) -> Option<&'x [f64]> {
+        (x.len() == self.dimension).then_some(x)
+    }
+
+    /// In one axis: the share of the bounds on which the cost is known, or bounded, at or above `value`.
+    pub(crate) fn proven(&self, bounds: &Bounds, value: f64) -> Option<f64> {
+        match (&self.store, bounds.axes()) {
+            (Store::Line(line), [axis]) => Some(line.proven(axis, value)),
+            _ => None,
+        }
+    }
+
+    /// In several axes: a box that overlaps these and on which the cost is known, or bounded, at or above `value`; known
+    /// single `points` included or not.
+    pub(crate) fn proof(&self, axes: &[(f64, f64)], value: f64, points: bool) -> Option<&[(f64, f64)]> {
+        match &self.store {
+            Store::Line(_) => None,
+            Store::Space(space) => space.proof(axes, value, points),
+        }
     }
 }
 
 /// A number ordered by value, usable as a key: never NaN, and zero without its sign.
 #[derive(Debug, Clone, Copy)]
-struct Key(f64);
+pub(crate) struct Key(pub(crate) f64);
 
 impl Key {
-    fn new(x: f64) -> Self {
+    pub(crate) fn new(x: f64) -> Self {
         Self(x + 0.0)
     }
 }

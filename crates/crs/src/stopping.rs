@@ -1,31 +1,64 @@
 //! When a search ends.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use crate::{SearchError, StopReason};
 
-/// The rules that end a search, shared by all methods; the first one met does.
+/// The rules that end a search, shared by all methods; the first one met does. All are `None` by default: then only the
+/// method's own end is in force, which its page tells.
 ///
-/// Not a rule but always in force: a search ends when its whole population stands on one known step, see
-/// [`StopReason::OneStep`].
+/// Of several rules met at once the reason given is the first of: target, cancelled, evaluations, stall; then the
+/// method's own end; then spread; then rounds.
 ///
 /// Write `Stopping { rounds: Some(60), ..Stopping::default() }`, which stays right when rules are added.
+///
+/// ```
+/// use std::sync::Arc;
+/// use std::sync::atomic::{AtomicBool, Ordering};
+/// use terrace_crs::{Bounds, StopReason, Stopping, Sweep, from_stairs};
+///
+/// // Another thread could hold this flag; here the cost itself raises it.
+/// let flag = Arc::new(AtomicBool::new(false));
+/// let mut cost = from_stairs(|x| {
+///     flag.store(x >= 3.0, Ordering::Relaxed);
+///     (x.floor(), x.floor()..x.floor() + 1.0)
+/// });
+/// let stopping = Stopping { cancel: Some(flag.clone()), ..Stopping::default() };
+/// let minimum = Sweep { stopping, ..Sweep::default() }.minimise(&mut cost, &Bounds::interval(0.0, 9.5)?)?;
+/// assert_eq!((minimum.stop, minimum.evaluations), (StopReason::Cancelled, 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Stopping {
-    /// At most this many rounds after the first population (ζ of the paper); `Some(0)` ends with the best of the
-    /// first population. `None` leaves the number to the method.
+    /// End when the cost was evaluated this often, answers that gave up early included. What is known costs nothing and
+    /// does not count. A search that may evaluate nothing and knows nothing is an error.
+    pub evaluations: Option<usize>,
+    /// At most this many rounds after the first population or start places (ζ of the paper); `Some(0)` ends with the
+    /// best of these. What a round is, and what `None` means, is told by each method.
     pub rounds: Option<usize>,
     /// End when the largest minus the smallest cost of the population is at most this, in the unit of the cost.
-    /// `Some(0.0)` ends when all costs are equal; `None` (the default) never ends for this reason.
+    /// `Some(0.0)` ends when all costs are equal; `None` (the default) never ends for this reason. Methods without a
+    /// population do not look at it.
     ///
     /// Equal costs are not enough by default because on a staircase they say little: steps far apart may share a
     /// value and hide a lower one between them. It is the range and not the variance because it has the unit of the
     /// cost and cannot overflow into a false 'equal'.
     pub spread: Option<f64>,
+    /// End after this many evaluations in a row of which none gave a lower value than the lowest before.
+    pub stall: Option<usize>,
+    /// End as soon as a value at or below this one was seen, in the unit of the cost.
+    pub target: Option<f64>,
+    /// End, with what was found so far, when the caller sets this flag. It is looked at before every question, so that
+    /// a running evaluation is not interrupted.
+    pub cancel: Option<Arc<AtomicBool>>,
 }
 
 impl Stopping {
     pub(crate) fn check(&self) -> Result<(), SearchError> {
-        match self.spread {
-            Some(spread) if spread.is_nan() || spread < 0.0 => Err(SearchError::Spread { spread }),
+        match (self.spread, self.target) {
+            (Some(spread), _) if spread.is_nan() || spread < 0.0 => Err(SearchError::Spread { spread }),
+            (_, Some(target)) if target.is_nan() => Err(SearchError::Target { target }),
             _ => Ok(()),
         }
     }

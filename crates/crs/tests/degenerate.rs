@@ -156,7 +156,7 @@ fn a_constant_cost_without_steps_ends_by_rounds_or_by_spread() {
 
 #[test]
 fn costs_from_end_to_end_of_the_numbers_do_not_overflow_into_convergence() {
-    let stopping = Stopping { spread: Some(1.0), rounds: Some(5) };
+    let stopping = Stopping { spread: Some(1.0), rounds: Some(5), ..Stopping::default() };
     let search = ControlledRandomSearch { stopping, ..ControlledRandomSearch::default() };
     let minimum = run(&search, &mut from_line(|x| if x < 0.5 { -f64::MAX } else { f64::MAX })).unwrap();
     assert_eq!((minimum.stop, minimum.value), (StopReason::Rounds, -f64::MAX));

@@ -133,7 +133,7 @@ fn search() -> impl Strategy<Value = ControlledRandomSearch> {
         (2..30_usize).prop_flat_map(|n| (Just(Some(n)), (2..=n).prop_map(Some)))
     ];
     (population, 0..400_usize, spread).prop_map(|((population, subset), rounds, spread)| {
-        let stopping = Stopping { rounds: Some(rounds), spread };
+        let stopping = Stopping { rounds: Some(rounds), spread, ..Stopping::default() };
         ControlledRandomSearch { population, subset, stopping, ..ControlledRandomSearch::default() }
     })
 }

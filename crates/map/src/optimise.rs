@@ -73,6 +73,7 @@ pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Re
         subset: Some(optimise.subset),
         start: vec![vec![params.phi]],
         stopping: Stopping { rounds: Some(optimise.rounds), ..Stopping::default() },
+        ..ControlledRandomSearch::default()
     };
     // [0, 1] is an interval; the error is here for its type alone.
     let bounds = Bounds::interval(0.0, 1.0).map_err(|_| ClusterError::Phi { phi: params.phi })?;

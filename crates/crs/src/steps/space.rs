@@ -1,98 +1,163 @@
-//! Known steps on several axes: ordered single points, and a list of boxes.
+//! Known steps on several axes: boxes, single points, and boxes with a lower bound.
 
-use std::collections::BTreeMap;
-
-use super::Key;
+use super::forest::Forest;
 use crate::{Evaluation, Step};
 
 #[derive(Debug, Clone)]
 pub(super) struct Space {
-    dimension: usize,
-    points: BTreeMap<Vec<Key>, f64>,
-    /// The intervals `[lo, hi)` of all boxes, one after another, so that the scan runs through one piece of memory.
-    boxes: Vec<(f64, f64)>,
+    boxes: Valued,
+    /// Each as the box that holds no other place.
+    points: Valued,
+    bounds: Valued,
+}
+
+/// Boxes with a value each.
+#[derive(Debug, Clone)]
+struct Valued {
+    forest: Forest,
     values: Vec<f64>,
+}
+
+impl Valued {
+    fn new(dimension: usize) -> Self {
+        Self { forest: Forest::new(dimension), values: Vec::new() }
+    }
+
+    /// The earliest inserted box around `x`.
+    fn earliest(&self, x: &[f64]) -> Option<usize> {
+        let mut earliest: Option<usize> = None;
+        self.forest.around(x, |index| earliest = Some(earliest.map_or(index, |other| other.min(index))));
+        earliest
+    }
+
+    /// The earliest inserted box around `x` among those with the highest value.
+    fn highest(&self, x: &[f64]) -> Option<usize> {
+        let mut highest: Option<usize> = None;
+        self.forest.around(x, |index| {
+            let better = |other: usize| {
+                self.values[index] > self.values[other]
+                    || self.values[index] == self.values[other] && index < other
+            };
+            if highest.is_none_or(better) {
+                highest = Some(index);
+            }
+        });
+        highest
+    }
+
+    /// The earliest inserted box that overlaps these axes and whose value `is` so.
+    fn overlapping(&self, axes: &[(f64, f64)], is: impl Fn(f64) -> bool) -> Option<usize> {
+        let mut earliest: Option<usize> = None;
+        self.forest.any_overlap(axes, |index| {
+            if is(self.values[index]) {
+                earliest = Some(earliest.map_or(index, |other| other.min(index)));
+            }
+            false
+        });
+        earliest
+    }
+
+    fn get(&self, index: usize) -> Evaluation {
+        let (lo, hi) = self.forest.get(index).iter().copied().unzip();
+        Evaluation { value: self.values[index], step: Step::Box { lo, hi } }
+    }
+
+    fn insert(&mut self, axes: &[(f64, f64)], value: f64) {
+        self.forest.insert(axes);
+        self.values.push(value);
+    }
 }
 
 impl Space {
     pub(super) fn new(dimension: usize) -> Self {
-        // `chunks_exact` takes no zero; bounds always have an axis.
-        Self { dimension: dimension.max(1), points: BTreeMap::new(), boxes: Vec::new(), values: Vec::new() }
+        let new = || Valued::new(dimension);
+        Self { boxes: new(), points: new(), bounds: new() }
     }
 
     pub(super) fn len(&self) -> usize {
-        self.points.len() + self.values.len()
+        self.points.forest.len() + self.boxes.forest.len()
     }
 
     pub(super) fn find(&self, x: &[f64]) -> Option<f64> {
-        self.box_around(x).map(|(_, value)| value).or_else(|| self.point(x))
+        let boxed = self.boxes.earliest(x).map(|index| self.boxes.values[index]);
+        boxed.or_else(|| self.points.earliest(x).map(|index| self.points.values[index]))
     }
 
     pub(super) fn step_at(&self, x: &[f64]) -> Option<Evaluation> {
-        match self.box_around(x) {
-            Some((axes, value)) => Some(Evaluation { value, step: to_step(axes) }),
-            None => self.point(x).map(Evaluation::point),
-        }
+        let boxed = self.boxes.earliest(x).map(|index| self.boxes.get(index));
+        boxed.or_else(|| self.points.earliest(x).map(|index| Evaluation::point(self.points.values[index])))
+    }
+
+    /// The highest lower bound known at `x`, and a box around it on which it is known.
+    pub(super) fn bound_at(&self, x: &[f64]) -> Option<Evaluation> {
+        self.bounds.highest(x).map(|index| self.bounds.get(index))
     }
 
     /// Adds an answer whose step contains `x`; returns a known overlapping answer of another value instead.
     pub(super) fn insert(&mut self, x: &[f64], evaluation: &Evaluation) -> Option<Evaluation> {
-        let axes: Vec<(f64, f64)> = match &evaluation.step {
-            Step::Point => x.iter().map(|&x| (x, x.next_up())).collect(),
-            Step::Box { lo, hi } => lo.iter().copied().zip(hi.iter().copied()).collect(),
-        };
-        if let Some(known) = self.conflict(&axes, evaluation.value) {
-            return Some(known);
+        let axes = axes(x, &evaluation.step);
+        let value = evaluation.value;
+        if let Some(index) = self.boxes.overlapping(&axes, |known| known != value) {
+            return Some(self.boxes.get(index));
+        }
+        if let Some(index) = self.points.overlapping(&axes, |known| known != value) {
+            return Some(self.points.get(index));
         }
         match evaluation.step {
-            Step::Point => {
-                self.points.insert(key(x), evaluation.value);
-            }
-            Step::Box { .. } if !self.boxes().any(|(known, _)| known == axes) => {
-                self.boxes.extend(axes);
-                self.values.push(evaluation.value);
-            }
-            Step::Box { .. } => {}
+            Step::Point if self.find(x).is_some() => {}
+            Step::Point => self.points.insert(&axes, value),
+            Step::Box { .. } => insert_new(&mut self.boxes, x, &axes, value),
         }
         None
     }
 
-    fn conflict(&self, axes: &[(f64, f64)], value: f64) -> Option<Evaluation> {
-        let boxes = self.boxes().find(|(known, v)| *v != value && overlap(known, axes));
-        if let Some((known, value)) = boxes {
-            return Some(Evaluation { value, step: to_step(known) });
+    /// A known lower bound that the answer, whose step contains `x`, falls below.
+    pub(super) fn bound_above(&self, x: &[f64], evaluation: &Evaluation) -> Option<Evaluation> {
+        let above = self.bounds.overlapping(&axes(x, &evaluation.step), |bound| bound > evaluation.value);
+        above.map(|index| self.bounds.get(index))
+    }
+
+    /// Adds a lower bound whose step contains `x`; returns a known answer below it instead.
+    pub(super) fn insert_bound(&mut self, x: &[f64], bound: &Evaluation) -> Option<Evaluation> {
+        let axes = axes(x, &bound.step);
+        for known in [&self.boxes, &self.points] {
+            if let Some(index) = known.overlapping(&axes, |value| value < bound.value) {
+                return Some(known.get(index));
+            }
         }
-        let mut others = self.points.iter().filter(|(_, v)| **v != value);
-        let (point, value) =
-            others.find(|(point, _)| point.iter().zip(axes).all(|(x, (lo, hi))| *lo <= x.0 && x.0 < *hi))?;
-        let axes: Vec<(f64, f64)> = point.iter().map(|x| (x.0, x.0.next_up())).collect();
-        Some(Evaluation { value: *value, step: to_step(&axes) })
+        insert_new(&mut self.bounds, x, &axes, bound.value);
+        None
     }
 
-    fn boxes(&self) -> impl Iterator<Item = (&[(f64, f64)], f64)> {
-        self.boxes.chunks_exact(self.dimension).zip(self.values.iter().copied())
-    }
-
-    fn box_around(&self, x: &[f64]) -> Option<(&[(f64, f64)], f64)> {
-        let inside = |axes: &[(f64, f64)]| axes.iter().zip(x).all(|((lo, hi), x)| lo <= x && x < hi);
-        if x.len() == self.dimension { self.boxes().find(|(axes, _)| inside(axes)) } else { None }
-    }
-
-    fn point(&self, x: &[f64]) -> Option<f64> {
-        // Most costs either know their steps or do not: spare the key where there is nothing to look up.
-        if self.points.is_empty() { None } else { self.points.get(&key(x)).copied() }
+    /// A box that overlaps these axes and on which the cost is known, or bounded, at or above `value`; single `points`
+    /// included or not.
+    pub(super) fn proof(&self, axes: &[(f64, f64)], value: f64, points: bool) -> Option<&[(f64, f64)]> {
+        let single = |axes: &[(f64, f64)]| axes.iter().all(|(lo, hi)| *hi == lo.next_up());
+        let of_use = |axes: &[(f64, f64)]| points || !single(axes);
+        [&self.boxes, &self.bounds, &self.points].into_iter().find_map(|known| {
+            let mut found = None;
+            known.forest.any_overlap(axes, |index| {
+                found = (known.values[index] >= value && of_use(known.forest.get(index))).then_some(index);
+                found.is_some()
+            });
+            found.map(|index| known.forest.get(index))
+        })
     }
 }
 
-fn key(x: &[f64]) -> Vec<Key> {
-    x.iter().copied().map(Key::new).collect()
+/// Inserts a box around `x` unless the same is there with this or a higher value.
+fn insert_new(known: &mut Valued, x: &[f64], axes: &[(f64, f64)], value: f64) {
+    let mut again = false;
+    known.forest.around(x, |index| again |= known.values[index] >= value && known.forest.get(index) == axes);
+    if !again {
+        known.insert(axes, value);
+    }
 }
 
-fn overlap(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
-    a.iter().zip(b).all(|((a_lo, a_hi), (b_lo, b_hi))| a_lo < b_hi && b_lo < a_hi)
-}
-
-fn to_step(axes: &[(f64, f64)]) -> Step {
-    let (lo, hi) = axes.iter().copied().unzip();
-    Step::Box { lo, hi }
+fn axes(x: &[f64], step: &Step) -> Vec<(f64, f64)> {
+    match step {
+        // Adding zero: zero and negative zero are one place.
+        Step::Point => x.iter().map(|&x| (x + 0.0, x.next_up())).collect(),
+        Step::Box { lo, hi } => lo.iter().copied().zip(hi.iter().copied()).collect(),
+    }
 }

@@ -1,0 +1,180 @@
+//! The certified search: finds low values early, and proves what it found as far as the budget goes.
+
+mod line;
+mod outlook;
+mod pieces;
+mod space;
+
+use std::num::NonZeroUsize;
+
+use crate::ledger::{Ledger, check_starts};
+use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
+
+/// An anytime search with a certificate: spends its budget where a lower value is most likely, and reports on which
+/// share of the domain it is proven that the cost is not lower. With budget enough that is all of it, and the result
+/// exact. Any number of axes; no random draws.
+///
+/// # Algorithm
+///
+/// What is not covered by known steps is kept as disjoint boxes; in one axis these are the gaps between known steps.
+///
+/// 1. Ask at the places given as [`start`](Self::start).
+/// 2. Take the uncovered box with the best score and ask at one place in it; the cost may give up as soon as it knows
+///    that it is not below the lowest value so far ([`Cost::evaluate_below`]).
+/// 3. Cut the step that was answered, or on which the cost is bounded, out of the box; score the pieces.
+/// 4. Go on at 2. until nothing is uncovered, or [`Stopping`] ends it.
+///
+/// *Score in one axis.* The cost is seen as a trend with jitter: the trend a Brownian path, and every step apart from it
+/// by an independent error. Then between two known steps the cost is Gaussian, with a mean on the line between their
+/// trends and a variance that is largest in the middle; the score is the probability that it lies below the lowest value
+/// by a margin. The two variances are estimated from the medians of the differences of neighbouring known steps, near
+/// and far, so that single steps that jump do not spoil them, and the trend by a Kalman smoother. The place is where the
+/// probability is highest, given three places to choose from.
+///
+/// *Score in several axes.* The same, with a box in place of the gap: the mean is the value evaluated last beside
+/// it, the distance its longest side as a share of the axis, and the place its centre. A box from which a single place
+/// was answered is halved there along that side.
+///
+/// *Honesty.* Each eighth question goes to the largest uncovered box whatever its score, so that narrow steps that no
+/// trend announces are met sooner or later, and the certified share grows. When nowhere is much hope left, the rest is
+/// walked in ascending order in one axis, for a cost may be cheaper to evaluate beside its last place, and from large to
+/// small in several.
+///
+/// *Ties*: of equal lowest values the one found first is returned. Of equal scores the box that was made first is taken.
+///
+/// # When it ends
+///
+/// With [`StopReason::Certified`](crate::StopReason::Certified) when nothing is uncovered, or before as [`Stopping`]
+/// says: a round is one question (or one group of [`batch`](Self::batch)). It has no population, and does not look at
+/// [`Stopping::spread`]. Without a limit on evaluations and rounds, and without target, stall or cancel flag, it ends
+/// with [`StopReason::NoSteps`](crate::StopReason::NoSteps) after 1000 *d* answers that are single places on a real
+/// axis, for those certify nothing.
+///
+/// # Based on
+///
+/// * H. J. Kushner, *A new method of locating the maximum point of an arbitrary multipeak curve in the presence of
+///   noise*, Journal of Basic Engineering 86 (1), 97-106, 1964,
+///   [doi:10.1115/1.3653121](https://doi.org/10.1115/1.3653121).
+/// * A. Žilinskas, *Axiomatic characterization of a global optimization algorithm and investigation of its search
+///   strategy*, Operations Research Letters 4 (1), 35-39, 1985,
+///   [doi:10.1016/0167-6377(85)90049-5](https://doi.org/10.1016/0167-6377(85)90049-5), which calls it the P-algorithm.
+///
+/// Steps, certificate, jitter and several axes are additions.
+///
+/// # Complexity
+///
+/// Per question O(log *k*) for *k* known steps, amortised, in one axis. In several, a look-up and at most 2 *d* pieces
+/// for each known step that the box overlaps. To certify a staircase takes as many evaluations as it has steps if the
+/// cost tells them in full.
+///
+/// # Limits
+///
+/// The certificate rests on what the cost tells: a step or a bound that is too large makes a false proof. In many axes
+/// proof is out of reach, and the certified share small.
+///
+/// # Examples
+///
+/// ```
+/// use terrace_crs::{Bounds, CertifiedSearch, StopReason, Stopping, from_stairs};
+///
+/// let mut cost = from_stairs(|x| ((x.floor() - 70.0).abs(), x.floor()..x.floor() + 1.0));
+/// let bounds = Bounds::interval(0.0, 99.5)?;
+///
+/// let stopping = Stopping { evaluations: Some(20), ..Stopping::default() };
+/// let early = CertifiedSearch { stopping, ..CertifiedSearch::default() }.minimise(&mut cost, &bounds)?;
+/// assert!(early.value <= 2.0 && !early.is_proven());
+/// assert!(early.certified > Some(0.19) && early.certified < Some(0.21));
+///
+/// let exact = CertifiedSearch::default().minimise(&mut cost, &bounds)?;
+/// assert_eq!((exact.value, exact.evaluations, exact.stop), (0.0, 100, StopReason::Certified));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct CertifiedSearch {
+    /// Places to ask first, in this order: a value in use, or earlier results.
+    pub start: Vec<Vec<f64>>,
+    /// How many places are asked for together, by [`Cost::evaluate_many`]; for costs that can run on several threads.
+    /// `None`: one.
+    ///
+    /// The places of a group do not profit from each other's answers, and the cost cannot give up early in a group of
+    /// more than one. The result depends on the size of the group and not on the number of threads.
+    pub batch: Option<NonZeroUsize>,
+    /// When to stop before everything is certified.
+    pub stopping: Stopping,
+}
+
+/// Answers that are single places on a real axis, per axis, after which a search without limits gives up.
+const POINTS: usize = 1000;
+
+/// Of this many questions one goes to the largest uncovered box.
+const HONEST: usize = 8;
+
+/// Below this score, in standard deviations, there is little hope.
+const HOPELESS: f64 = -4.0;
+
+impl CertifiedSearch {
+    /// The lowest cost found within the bounds, and the share of them on which it is proven to be the lowest.
+    ///
+    /// The same cost, bounds and parameters give the same result and the same trace.
+    ///
+    /// # Errors
+    ///
+    /// A [`SearchError`]: start places outside the bounds, reported before the cost is asked; or a cost that breaks its
+    /// [contract](Cost#contract), as with a NaN.
+    pub fn minimise(&self, cost: &mut (impl Cost + ?Sized), bounds: &Bounds) -> Result<Minimum, SearchError> {
+        self.minimise_with(cost, bounds, &mut Steps::new(bounds))
+    }
+
+    /// As [`minimise`](Self::minimise), with the steps known from earlier searches of the same cost; adds to them.
+    ///
+    /// # Errors
+    ///
+    /// As [`minimise`](Self::minimise); `steps` then keeps what was learnt before the error.
+    pub fn minimise_with(
+        &self,
+        cost: &mut (impl Cost + ?Sized),
+        bounds: &Bounds,
+        steps: &mut Steps,
+    ) -> Result<Minimum, SearchError> {
+        let ledger = Ledger::open(cost, bounds, steps, &self.stopping)?;
+        check_starts(&self.start, bounds)?;
+        match bounds.axes() {
+            [axis] => line::Line::new(axis, ledger, self).run(),
+            _ => space::Space::new(ledger, self).run(),
+        }
+    }
+
+    fn batch(&self) -> NonZeroUsize {
+        self.batch.unwrap_or(NonZeroUsize::MIN)
+    }
+
+    /// The number of answers without a step that are borne.
+    fn points(&self, dimension: usize) -> usize {
+        let Stopping { evaluations, rounds, spread: _, stall, target, cancel } = &self.stopping;
+        let limited = evaluations.is_some()
+            || rounds.is_some()
+            || stall.is_some()
+            || target.is_some()
+            || cancel.is_some();
+        if limited { usize::MAX } else { POINTS.saturating_mul(dimension) }
+    }
+}
+#[derive(Clone, Copy)]
+pub(crate) struct Knobs {
+    pub opening: usize,
+    pub honest: usize,
+    pub hopeless: f64,
+    pub edge: f64,
+    pub far: f64,
+    pub mj: f64,
+    pub mt: f64,
+}
+pub(crate) fn knobs() -> Knobs {
+    KNOBS.with(|k| k.get())
+}
+thread_local! { static KNOBS: std::cell::Cell<Knobs> = const { std::cell::Cell::new(Knobs { opening: 8, honest: 8, hopeless: -4.0, edge: 0.1, far: 0.67, mj: 0.0, mt: 0.05 }) }; }
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub fn set_knobs(o: usize, h: usize, hl: f64, e: f64, f: f64, mj: f64, mt: f64) {
+    KNOBS.with(|k| k.set(Knobs { opening: o, honest: h, hopeless: hl, edge: e, far: f, mj, mt }));
+}
