@@ -18,7 +18,8 @@ fn evaluate(c: &mut Criterion) {
         Box::new(Knapsack::from_seed(1, 5, 9).unwrap()),
     ];
     for mut cost in costs {
-        let x: Vec<f64> = cost.bounds().axes().iter().map(|(lo, hi)| lo + 0.3 * (hi - lo)).collect();
+        let x: Vec<f64> =
+            cost.bounds().axes().iter().map(|axis| axis.lo() + 0.3 * (axis.hi() - axis.lo())).collect();
         let name = format!("evaluate/{}, {} axes", cost.name(), x.len());
         c.bench_function(&name, |b| b.iter(|| cost.evaluate(black_box(&x))));
     }

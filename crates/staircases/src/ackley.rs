@@ -11,7 +11,8 @@ use crate::{ParameterError, TestCost};
 ///
 /// * Formula: f(x) = 20 + e - 20 exp(-0.2 √(Σtᵢ² / d)) - exp(Σ cos 2πtᵢ / d), with tᵢ = cᵢ - sᵢ. Each axis is cut into
 ///   *n* equal cells; cᵢ is the centre of the cell that holds xᵢ, and sᵢ the centre of cell number ⌊*n* frac(i φ)⌋,
-///   φ = (√5 - 1) / 2, i = 1 … *d*.
+///   φ = (√5 - 1) / 2, i = 1 … *d*, or another one
+///   that is asked for.
 /// * Domain: [-32.768, 32.768]ᵈ; outside, the outermost steps go on.
 /// * Optimum: exactly 0, on the cell around s, which lies off the middle by another share on each axis.
 /// * Steps: *n*ᵈ. The ripples, one unit apart, are seen when a cell is narrower than about half a unit, *n* > 130.
@@ -41,6 +42,15 @@ impl Ackley {
     /// No axes, no cells, or more than ten million cells along an axis.
     pub fn new(dimension: usize, cells: usize) -> Result<Self, ParameterError> {
         Ok(Self { grid: Grid::new(dimension, 32.768, cells)? })
+    }
+
+    /// The function with one axis for each entry of `optimum`: the number of the cell, from zero, whose centre is sᵢ.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); and a number that is not below `cells`.
+    pub fn with_optimum(cells: usize, optimum: &[usize]) -> Result<Self, ParameterError> {
+        Ok(Self { grid: Grid::with_optimum(32.768, cells, optimum.to_vec())? })
     }
 }
 

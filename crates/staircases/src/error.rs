@@ -23,6 +23,16 @@ pub enum ParameterError {
         /// The most that is possible.
         limit: u128,
     },
+    /// The optimum is in a cell that there is not.
+    #[error("axis {axis}: there is no cell {cell} among {cells}")]
+    NoCell {
+        /// The axis.
+        axis: usize,
+        /// The cell asked for.
+        cell: usize,
+        /// The number of cells.
+        cells: usize,
+    },
     /// The needle is not a proper part of the unit interval.
     #[error("a needle on [{at:?}, {at:?} + {width:?}) is not inside [0, 1]")]
     Needle {

@@ -18,12 +18,20 @@ pub(crate) struct Grid {
 
 impl Grid {
     pub(crate) fn new(dimension: usize, half: f64, cells: usize) -> Result<Self, ParameterError> {
+        Self::with_optimum(half, cells, (0..dimension).map(|axis| off_centre(axis, cells)).collect())
+    }
+
+    /// The optimum at the centres of the cells given for each axis.
+    pub(crate) fn with_optimum(half: f64, cells: usize, optimum: Vec<usize>) -> Result<Self, ParameterError> {
         check_steps(cells)?;
+        let dimension = optimum.len();
         let bounds = Bounds::new(vec![(-half, half); dimension])?;
+        if let Some(axis) = optimum.iter().position(|&cell| cell >= cells) {
+            return Err(ParameterError::NoCell { axis, cell: optimum[axis], cells });
+        }
         let at = |share: f64| -half + 2.0 * half * (share / cells as f64);
         let borders: Vec<f64> = (1..cells).map(|k| at(k as f64)).collect();
         let centres = (0..cells).map(|k| at(k as f64 + 0.5)).collect();
-        let optimum = (0..dimension).map(|axis| off_centre(axis, cells)).collect();
         Ok(Self { cells: Cells::new(vec![borders; dimension]), bounds, centres, optimum })
     }
 
@@ -84,5 +92,7 @@ mod tests {
     fn no_cells_and_no_axes_are_errors() {
         assert_eq!(Grid::new(1, 1.0, 0), Err(ParameterError::NoSteps));
         assert!(matches!(Grid::new(0, 1.0, 1), Err(ParameterError::Bounds(_))));
+        let error = Grid::with_optimum(1.0, 3, vec![2, 3]);
+        assert_eq!(error, Err(ParameterError::NoCell { axis: 1, cell: 3, cells: 3 }));
     }
 }

@@ -2,7 +2,7 @@
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use terrace_crs::{Bounds, Cost, Evaluation};
+use terrace_crs::{Axis, Bounds, Cost, Evaluation};
 
 use crate::cells::Cells;
 use crate::draw::whole;
@@ -114,6 +114,17 @@ impl Knapsack {
         self.capacity
     }
 
+    /// The numbers of pieces as whole numbers, 0 to uᵢ on each axis, for searches that know such axes: the same cost, the
+    /// same optimum.
+    ///
+    /// # Errors
+    ///
+    /// None in effect: an item has at most ten million pieces.
+    pub fn integer_bounds(&self) -> Result<Bounds, ParameterError> {
+        let axis = |item: &Item| Axis::Integer { lo: 0, hi: i64::from(item.most) };
+        Ok(Bounds::of(self.items.iter().map(axis))?)
+    }
+
     /// How many pieces of each item the best packing has.
     pub fn best(&self) -> &[u32] {
         &self.best
@@ -203,6 +214,8 @@ impl TestCost for Knapsack {
 
 #[cfg(test)]
 mod tests {
+    use terrace_crs::{CertifiedSearch, StopReason};
+
     use super::*;
 
     const fn item(value: u32, weight: u32, most: u32) -> Item {
@@ -220,6 +233,14 @@ mod tests {
     fn a_single_item_is_taken_as_often_as_it_fits() {
         assert_eq!(Knapsack::new(&[item(5, 3, 9)], 11).unwrap().best(), [3]);
         assert_eq!(Knapsack::new(&[item(5, 3, 2)], 11).unwrap().best(), [2]);
+    }
+
+    #[test]
+    fn over_whole_numbers_it_is_proven_to_be_the_same() {
+        let mut cost = Knapsack::from_seed(3, 3, 6).unwrap();
+        let bounds = cost.integer_bounds().unwrap();
+        let proven = CertifiedSearch::default().minimise(&mut cost, &bounds).unwrap();
+        assert_eq!((proven.value, proven.stop), (cost.minimum(), StopReason::Certified));
     }
 
     #[test]

@@ -10,7 +10,8 @@ use crate::{ParameterError, TestCost};
 /// Rastrigin's function, quantised and shifted: a bowl with a lattice of local minima about 1 apart.
 ///
 /// * Formula: f(x) = Σ (tᵢ² + 10 - 10 cos 2πtᵢ), with tᵢ = cᵢ - sᵢ. Each axis is cut into *n* equal cells; cᵢ is the
-///   centre of the cell that holds xᵢ, and sᵢ the centre of cell number ⌊*n* frac(i φ)⌋, φ = (√5 - 1) / 2, i = 1 … *d*.
+///   centre of the cell that holds xᵢ, and sᵢ the centre of cell number ⌊*n* frac(i φ)⌋, φ = (√5 - 1) / 2, i = 1 … *d*, or another one
+///   that is asked for.
 /// * Domain: [-5.12, 5.12]ᵈ; outside, the outermost steps go on.
 /// * Optimum: exactly 0, on the cell around s, which lies off the middle by another share on each axis.
 /// * Steps: *n*ᵈ. The local minima are seen when a cell is narrower than about half a unit, *n* > 20.
@@ -41,6 +42,15 @@ impl Rastrigin {
     /// No axes, no cells, or more than ten million cells along an axis.
     pub fn new(dimension: usize, cells: usize) -> Result<Self, ParameterError> {
         Ok(Self { grid: Grid::new(dimension, 5.12, cells)? })
+    }
+
+    /// The function with one axis for each entry of `optimum`: the number of the cell, from zero, whose centre is sᵢ.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); and a number that is not below `cells`.
+    pub fn with_optimum(cells: usize, optimum: &[usize]) -> Result<Self, ParameterError> {
+        Ok(Self { grid: Grid::with_optimum(5.12, cells, optimum.to_vec())? })
     }
 }
 

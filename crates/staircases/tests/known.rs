@@ -37,9 +37,15 @@ fn corners(cost: &mut dyn TestCost, x: &[f64]) -> (f64, Vec<f64>, Vec<f64>) {
     }
 }
 
+/// The bounds of one axis.
+fn ends(cost: &dyn TestCost, axis: usize) -> (f64, f64) {
+    let bounds = cost.bounds();
+    (bounds.axes()[axis].lo(), bounds.axes()[axis].hi())
+}
+
 /// The starts of all steps on one axis, found by walking from each step to the next with the other coordinates fixed.
 fn walk(cost: &mut dyn TestCost, axis: usize, from: &[f64]) -> Vec<f64> {
-    let (lo, hi) = cost.bounds().axes()[axis];
+    let (lo, hi) = ends(cost, axis);
     let mut x = from.to_vec();
     let mut starts = vec![lo];
     loop {
@@ -90,12 +96,12 @@ fn the_minimiser_is_inside_and_has_the_minimum() {
 #[test]
 fn steps_hold_their_lower_corner_and_end_before_the_upper_one() {
     for mut cost in small() {
-        let bounds = cost.bounds();
         for x in all_steps(&mut *cost) {
             let (value, lo, hi) = corners(&mut *cost, &x);
             for axis in 0..x.len() {
                 // The same step at its start, at its last number and in the middle.
-                let (start, end) = (lo[axis].max(bounds.axes()[axis].0), hi[axis].min(bounds.axes()[axis].1));
+                let (first, last) = ends(&*cost, axis);
+                let (start, end) = (lo[axis].max(first), hi[axis].min(last));
                 for place in [start, f64::midpoint(start, end), hi[axis].next_down().min(f64::MAX)] {
                     let mut other = x.clone();
                     other[axis] = place;

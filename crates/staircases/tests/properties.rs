@@ -28,6 +28,11 @@ fn staircases() -> impl Strategy<Value = Staircase> {
     })
 }
 
+/// Cells along each axis, and the one of the optimum on each.
+fn optima() -> impl Strategy<Value = (usize, Vec<usize>)> {
+    (1..80_usize).prop_flat_map(|cells| (Just(cells), vec(0..cells, 1..4)))
+}
+
 fn items() -> impl Strategy<Value = Vec<Item>> {
     vec((0..30_u32, 1..20_u32, 0..4_u32), 1..5).prop_map(|items| {
         items.into_iter().map(|(value, weight, most)| Item { value, weight, most }).collect()
@@ -38,8 +43,8 @@ fn items() -> impl Strategy<Value = Vec<Item>> {
 #[derive(Debug, Clone)]
 enum Parameters {
     DeJong(usize),
-    Rastrigin(usize, usize),
-    Ackley(usize, usize),
+    Rastrigin(usize, Vec<usize>),
+    Ackley(usize, Vec<usize>),
     Needle(usize, f64, f64, f64, usize),
     Random(u64, usize, Kind),
     Knapsack(Vec<Item>, u32),
@@ -50,8 +55,8 @@ impl Parameters {
     fn cost(&self) -> Box<dyn TestCost> {
         match self.clone() {
             Self::DeJong(d) => Box::new(DeJong::new(d).unwrap()),
-            Self::Rastrigin(d, n) => Box::new(Rastrigin::new(d, n).unwrap()),
-            Self::Ackley(d, n) => Box::new(Ackley::new(d, n).unwrap()),
+            Self::Rastrigin(n, best) => Box::new(Rastrigin::with_optimum(n, &best).unwrap()),
+            Self::Ackley(n, best) => Box::new(Ackley::with_optimum(n, &best).unwrap()),
             Self::Needle(d, at, width, slope, n) => Box::new(Needle::sloped(d, at, width, slope, n).unwrap()),
             Self::Random(seed, n, kind) => Box::new(RandomStaircase::from_seed(seed, n, kind).unwrap()),
             Self::Knapsack(items, capacity) => Box::new(Knapsack::new(&items, capacity).unwrap()),
@@ -63,8 +68,8 @@ impl Parameters {
 fn parameters() -> impl Strategy<Value = Parameters> {
     prop_oneof![
         (1..4_usize).prop_map(Parameters::DeJong),
-        (1..4_usize, 1..80_usize).prop_map(|(d, n)| Parameters::Rastrigin(d, n)),
-        (1..4_usize, 1..80_usize).prop_map(|(d, n)| Parameters::Ackley(d, n)),
+        optima().prop_map(|(n, best)| Parameters::Rastrigin(n, best)),
+        optima().prop_map(|(n, best)| Parameters::Ackley(n, best)),
         (1..4_usize, 0.0..0.9, 0.001..0.1, 0.0..5.0, 1..30_usize)
             .prop_map(|(d, at, width, slope, n)| Parameters::Needle(d, at, width, slope, n)),
         (any::<u64>(), 1..200_usize, kinds()).prop_map(|(seed, n, kind)| Parameters::Random(seed, n, kind)),
@@ -80,7 +85,7 @@ fn place(cost: &dyn TestCost, shares: &[f64]) -> Vec<f64> {
         .axes()
         .iter()
         .zip(shares.iter().cycle())
-        .map(|((lo, hi), u)| (lo + u * (hi - lo)).min(*hi))
+        .map(|(axis, u)| (axis.lo() + u * (axis.hi() - axis.lo())).min(axis.hi()))
         .collect()
 }
 
@@ -104,7 +109,7 @@ proptest! {
         prop_assert!(answer.step.contains(&x, &x));
         let Step::Box { lo, hi } = &answer.step else { panic!("no box") };
         let other: Vec<f64> = lo.iter().zip(hi).zip(within.iter().cycle()).zip(cost.bounds().axes()).map(|(((lo, hi), u), axis)| {
-            let (lo, hi) = (lo.max(axis.0), hi.min(axis.1));
+            let (lo, hi) = (lo.max(axis.lo()), hi.min(axis.hi()));
             (lo + u * (hi - lo)).clamp(lo, hi.next_down().max(lo))
         }).collect();
         prop_assert_eq!(cost.evaluate(&other), answer);
