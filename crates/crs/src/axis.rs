@@ -65,7 +65,7 @@ impl Axis {
         match self {
             Self::Real { .. } => inside,
             Self::Integer { .. } => inside && x.fract() == 0.0,
-            Self::List(values) => values.iter().any(|value| *value == x),
+            Self::List(values) => values.get(values.partition_point(|value| *value < x)) == Some(&x),
         }
     }
 
@@ -157,14 +157,12 @@ impl Axis {
     /// it: 0 is its first value, 1 its last.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between zero and the count")]
     pub(crate) fn part(&self, lo: f64, hi: f64, at: f64) -> f64 {
-        match self.count() {
-            None => (lo + at * (hi.min(self.hi()) - lo)).min(hi.next_down()).max(lo),
-            Some(_) => {
-                let (first, end) = (self.rank(lo), self.rank(hi));
-                let last = end.saturating_sub(first).saturating_sub(1);
-                self.nth(first + ((at * last as f64) as u64).min(last))
-            }
+        if self.count().is_none() {
+            return (lo + at * (hi.min(self.hi()) - lo)).min(hi.next_down()).max(lo);
         }
+        let (first, end) = (self.rank(lo), self.rank(hi));
+        let last = end.saturating_sub(first).saturating_sub(1);
+        self.nth(first + ((at * last as f64) as u64).min(last))
     }
 
     pub(crate) fn check(&self, axis: usize) -> Result<(), BoundsError> {

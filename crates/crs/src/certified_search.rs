@@ -109,9 +109,6 @@ const POINTS: usize = 1000;
 /// Of this many questions one goes to the largest uncovered box.
 const HONEST: usize = 8;
 
-/// Below this score, in standard deviations, there is little hope.
-const HOPELESS: f64 = -4.0;
-
 impl CertifiedSearch {
     /// The lowest cost found within the bounds, and the share of them on which it is proven to be the lowest.
     ///
@@ -158,23 +155,4 @@ impl CertifiedSearch {
             || cancel.is_some();
         if limited { usize::MAX } else { POINTS.saturating_mul(dimension) }
     }
-}
-#[derive(Clone, Copy)]
-pub(crate) struct Knobs {
-    pub opening: usize,
-    pub honest: usize,
-    pub hopeless: f64,
-    pub edge: f64,
-    pub far: f64,
-    pub mj: f64,
-    pub mt: f64,
-}
-pub(crate) fn knobs() -> Knobs {
-    KNOBS.with(|k| k.get())
-}
-thread_local! { static KNOBS: std::cell::Cell<Knobs> = const { std::cell::Cell::new(Knobs { opening: 8, honest: 8, hopeless: -4.0, edge: 0.1, far: 0.67, mj: 0.0, mt: 0.05 }) }; }
-#[doc(hidden)]
-#[allow(missing_docs)]
-pub fn set_knobs(o: usize, h: usize, hl: f64, e: f64, f: f64, mj: f64, mt: f64) {
-    KNOBS.with(|k| k.set(Knobs { opening: o, honest: h, hopeless: hl, edge: e, far: f, mj, mt }));
 }

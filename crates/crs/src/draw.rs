@@ -29,6 +29,20 @@ pub(crate) fn subset<'o>(order: &'o mut [usize], count: usize, rng: &mut (impl R
     &order[..count]
 }
 
+/// As [`subset`], from all entries but the number `without`.
+pub(crate) fn others<'o>(
+    order: &'o mut [usize],
+    without: usize,
+    count: usize,
+    rng: &mut (impl Rng + ?Sized),
+) -> &'o [usize] {
+    let last = order.len().saturating_sub(1);
+    if let Some(at) = order.iter().position(|entry| *entry == without) {
+        order.swap(at, last);
+    }
+    subset(&mut order[..last], count, rng)
+}
+
 /// A multiple of 2⁻⁵³ in [0, 1).
 pub(crate) fn unit(rng: &mut (impl Rng + ?Sized)) -> f64 {
     (rng.next_u64() >> 11) as f64 * (f64::EPSILON / 2.0)
@@ -92,6 +106,22 @@ mod tests {
                 assert!(if i == j { count == 0 } else { count.abs_diff(1000) < 155 }, "{seen:?}");
             }
         }
+    }
+
+    #[test]
+    fn others_are_never_the_one_left_out() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut order = [0, 1, 2, 3];
+        let mut seen = [0_u32; 4];
+        for _ in 0..6000 {
+            for i in others(&mut order, 2, 2, &mut rng) {
+                seen[*i] += 1;
+            }
+        }
+        // Two of three: expectation 4000, five standard deviations either way.
+        assert_eq!(seen[2], 0);
+        assert!([0, 1, 3].iter().all(|i| seen[*i].abs_diff(4000) < 185), "{seen:?}");
+        assert!(others(&mut [0], 0, 3, &mut rng).is_empty());
     }
 
     #[test]

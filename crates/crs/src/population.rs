@@ -77,6 +77,18 @@ pub(crate) fn range(members: &[Member]) -> (usize, f64) {
     (worst, members[worst].value - lowest)
 }
 
+/// The member of the lowest cost, the first found of several.
+pub(crate) fn best(members: &[Member]) -> usize {
+    let mut best = 0;
+    for (i, member) in members.iter().enumerate() {
+        let other = &members[best];
+        if (member.value, member.found) < (other.value, other.found) {
+            best = i;
+        }
+    }
+    best
+}
+
 /// Writes 2 x̄ − xₘ to `trial`: xₘ is the last chosen member, x̄ the centroid of the others.
 pub(crate) fn reflect(members: &[Member], chosen: &[usize], trial: &mut [f64]) {
     let [first, others @ .., last] = chosen else { return };
@@ -121,5 +133,11 @@ mod tests {
     fn of_equal_largest_costs_the_latest_found_is_replaced() {
         let members = [member(&[0.0], 5.0, 3), member(&[0.0], 5.0, 9), member(&[0.0], 1.0, 10)];
         assert_eq!(range(&members), (1, 4.0));
+    }
+
+    #[test]
+    fn of_equal_lowest_costs_the_first_found_is_the_best() {
+        let members = [member(&[0.0], 5.0, 3), member(&[0.0], 1.0, 9), member(&[0.0], 1.0, 4)];
+        assert_eq!(best(&members), 2);
     }
 }

@@ -60,7 +60,7 @@ pub struct Steps {
 #[derive(Debug, Clone)]
 enum Store {
     Line(Line),
-    Space(Space),
+    Space(Box<Space>),
 }
 
 /// How a cost broke its [contract](crate::Cost#contract).
@@ -137,8 +137,11 @@ impl Steps {
     /// An empty store for costs with as many axes as `bounds`. Steps may reach beyond the bounds.
     pub fn new(bounds: &Bounds) -> Self {
         let dimension = bounds.dimension();
-        let store =
-            if dimension == 1 { Store::Line(Line::default()) } else { Store::Space(Space::new(dimension)) };
+        let store = if dimension == 1 {
+            Store::Line(Line::default())
+        } else {
+            Store::Space(Box::new(Space::new(dimension)))
+        };
         Self { dimension, store }
     }
 

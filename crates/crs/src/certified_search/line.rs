@@ -4,10 +4,20 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::outlook::{Level, Outlook, Pair};
-use super::{CertifiedSearch, knobs};
+use super::{CertifiedSearch, HONEST};
 use crate::ledger::Ledger;
 use crate::steps::Key;
 use crate::{Axis, Cost, Minimum, SearchError, Step, StopReason};
+
+/// So many questions come before any score: with less nothing can be estimated.
+const OPENING: usize = 5;
+
+/// No place nearer to the end of a gap than this part of it: that close, little is learnt of the rest.
+const EDGE: f64 = 0.1;
+
+/// Standard deviations of the trend, and largest jumps seen, that do not suffice where there is little hope.
+const DEVIATIONS: f64 = 4.0;
+const JUMPS: f64 = 2.0;
 
 /// The axis in ascending order: gaps, and what is known between them.
 pub(super) struct Line<'a, C: ?Sized> {
@@ -20,6 +30,8 @@ pub(super) struct Line<'a, C: ?Sized> {
     by_score: BinaryHeap<(Key, Reverse<usize>)>,
     by_width: BinaryHeap<(Key, Reverse<usize>)>,
     outlook: Outlook,
+    /// By how much a known step differs most from the trend.
+    jump: f64,
     /// Known steps, and how many they were when the outlook was last estimated.
     known: usize,
     seen: usize,
@@ -63,6 +75,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             by_score: BinaryHeap::new(),
             by_width: BinaryHeap::new(),
             outlook: Outlook::estimate(&mut []),
+            jump: 0.0,
             known: 0,
             seen: 0,
             questions: 0,
@@ -122,14 +135,12 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
     }
 
     fn next(&mut self) -> Option<(usize, f64)> {
-        // An eighth more is known than when the outlook was estimated: amortised, a constant number of times each.
-        if 8 * (self.known - self.seen) > self.seen {
+        // A third more is known than when the outlook was estimated: each step is seen a constant number of times.
+        if 3 * (self.known - self.seen) > self.seen {
             self.refresh();
         }
         self.questions += 1;
-        if self.walk.is_none()
-            && (self.questions <= knobs().opening || self.questions.is_multiple_of(knobs().honest))
-        {
+        if self.walk.is_none() && (self.questions <= OPENING || self.questions.is_multiple_of(HONEST)) {
             while let Some((_, Reverse(gap))) = self.by_width.pop() {
                 if matches!(self.stretches[gap].state, State::Gap) {
                     return Some((gap, 0.5));
@@ -147,7 +158,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             let key = (Key::new(score), Reverse(gap));
             if self.by_score.peek().is_some_and(|next| *next > key) {
                 self.by_score.push(key);
-            } else if score < knobs().hopeless {
+            } else if self.is_hopeless(gap, at) {
                 self.by_score.push(key);
                 self.walk = Some(self.first);
             } else {
@@ -187,25 +198,17 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
     fn cut(&mut self, gap: usize, x: f64, value: f64) {
         let steps = self.ledger.steps();
         let known = steps.step_at(&[x]).or_else(|| steps.bound_at(&[x])).map(|known| known.step);
-        let (lo, hi) = match &known {
-            Some(Step::Box { lo, hi }) => {
-                (lo.first().copied().unwrap_or(x), hi.first().copied().unwrap_or(x))
-            }
-            _ => {
-                self.points += usize::from(self.axis.count().is_none());
-                (x, x.next_up())
-            }
+        let (lo, hi) = if let Some(Step::Box { lo, hi }) = &known {
+            (lo.first().copied().unwrap_or(x), hi.first().copied().unwrap_or(x))
+        } else {
+            self.points += usize::from(self.axis.count().is_none());
+            (x, x.next_up())
         };
         let Stretch { lo: from, hi: to, before, after, .. } = self.stretches[gap];
         let (lo, hi) = (lo.max(from), hi.min(to));
         let width = self.axis.share(from, to);
         let at = if width > 0.0 { self.axis.share(from, lo) / width } else { 0.5 };
-        let prior = match (before.and_then(|b| self.level(b)), after.and_then(|a| self.level(a))) {
-            (Some(a), Some(b)) => Some(self.outlook.level(a, b, width, at)),
-            (Some(a), None) => Some(self.outlook.beyond(a, width * at)),
-            (None, Some(b)) => Some(self.outlook.beyond(b, width * (1.0 - at))),
-            (None, None) => None,
-        };
+        let prior = self.level_in(before, after, width, at);
         let level = match prior {
             Some(prior) => self.outlook.update(prior, value),
             None => Level { mean: value, variance: self.outlook.jitter },
@@ -255,31 +258,49 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
         }
     }
 
+    /// The trend to be expected in a gap between two stretches.
+    fn level_in(&self, before: Option<usize>, after: Option<usize>, width: f64, at: f64) -> Option<Level> {
+        match (before.and_then(|b| self.level(b)), after.and_then(|a| self.level(a))) {
+            (Some(a), Some(b)) => Some(self.outlook.level(a, b, width, at)),
+            (Some(a), None) => Some(self.outlook.beyond(a, width * at)),
+            (None, Some(b)) => Some(self.outlook.beyond(b, width * (1.0 - at))),
+            (None, None) => None,
+        }
+    }
+
     /// The best place in a gap, as a part of it, and its score.
     fn score(&self, gap: usize) -> (f64, f64) {
         let Stretch { lo, hi, before, after, .. } = self.stretches[gap];
         let width = self.axis.share(lo, hi);
         let Some(lowest) = self.ledger.lowest() else { return (f64::INFINITY, 0.5) };
         let goal = self.outlook.goal(lowest);
+        // At the end of the axis nothing bounds the trend, and it may have gone farthest at the far end.
         let (a, b) = (before.and_then(|b| self.level(b)), after.and_then(|a| self.level(a)));
         match (a, b) {
             (Some(a), Some(b)) => {
                 // Without jitter the best place divides the gap as the two heights above the goal are to each other.
                 let (over_a, over_b) = (a.mean - goal, b.mean - goal);
                 let towards = if over_a + over_b > 0.0 { over_a / (over_a + over_b) } else { 0.5 };
-                let towards = towards.clamp(knobs().edge, 1.0 - knobs().edge);
+                let towards = towards.clamp(EDGE, 1.0 - EDGE);
                 let places = [0.5, towards];
                 let scored = places.map(|at| (self.outlook.between(a, b, width, at, goal), at));
                 if scored[1].0 > scored[0].0 { scored[1] } else { scored[0] }
             }
-            (Some(a), None) => {
-                (self.outlook.chance(self.outlook.beyond(a, width * knobs().far), goal), knobs().far)
-            }
-            (None, Some(b)) => {
-                (self.outlook.chance(self.outlook.beyond(b, width * knobs().far), goal), 1.0 - knobs().far)
-            }
+            (Some(a), None) => (self.outlook.chance(self.outlook.beyond(a, width), goal), 1.0),
+            (None, Some(b)) => (self.outlook.chance(self.outlook.beyond(b, width), goal), 0.0),
             (None, None) => (f64::INFINITY, 0.5),
         }
+    }
+
+    /// Whether even a step that jumps as far as any seen would not lie lower there.
+    fn is_hopeless(&self, gap: usize, at: f64) -> bool {
+        let Stretch { lo, hi, before, after, .. } = self.stretches[gap];
+        let (Some(lowest), Some(level)) =
+            (self.ledger.lowest(), self.level_in(before, after, self.axis.share(lo, hi), at))
+        else {
+            return false;
+        };
+        level.mean - DEVIATIONS * level.variance.sqrt() - JUMPS * self.jump > lowest
     }
 
     /// Estimates the scale and the trend anew, and with it all scores.
@@ -307,7 +328,9 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             .map(|pair| Pair { distance: pair[1].0, difference: pair[1].1 - pair[0].1 })
             .collect();
         self.outlook = Outlook::estimate(&mut pairs);
-        for ((here, _), level) in places.iter().zip(self.outlook.smooth(&known)) {
+        self.jump = 0.0;
+        for (((here, _), level), (_, value)) in places.iter().zip(self.outlook.smooth(&known)).zip(&known) {
+            self.jump = self.jump.max((value - level.mean).abs());
             if let State::Known { level: old, .. } = &mut self.stretches[*here].state {
                 *old = level;
             }

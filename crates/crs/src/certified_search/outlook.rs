@@ -33,7 +33,9 @@ impl Outlook {
     /// From the differences of neighbours. Medians, so that single steps that jump count as one.
     pub(super) fn estimate(pairs: &mut [Pair]) -> Self {
         // Not all of it is finite when values reach over half of all numbers: then no scale is known.
-        pairs.iter_mut().for_each(|pair| pair.difference = pair.difference.abs().min(1e150));
+        for pair in &mut *pairs {
+            pair.difference = pair.difference.abs().min(1e150);
+        }
         if pairs.len() < FEW {
             let squares = pairs.iter().map(|pair| pair.difference.powi(2) / pair.distance.max(1e-3));
             let trend = squares.sum::<f64>() / pairs.len().max(1) as f64;
@@ -51,6 +53,12 @@ impl Outlook {
         let trend = rise.max(0.1 * all / far_distance.max(1e-9));
         let jitter = ((near - trend * near_distance) / 2.0).max(0.0);
         Self { trend, jitter }
+    }
+
+    /// The value to be fallen below: lower than the lowest so far by a fiftieth of what the trend varies from end to end,
+    /// lest the search stays where hardly anything is to be gained.
+    pub(super) fn goal(&self, lowest: f64) -> f64 {
+        lowest - 0.02 * self.trend.sqrt()
     }
 
     /// How many standard deviations `goal` lies above the mean at the place between two levels `width` apart, `at` from
@@ -126,10 +134,4 @@ fn typical(pairs: &mut [Pair]) -> (f64, f64) {
     let difference =
         pairs.select_nth_unstable_by(half, |a, b| a.difference.total_cmp(&b.difference)).1.difference;
     (distance, (difference / MEDIAN).powi(2))
-}
-impl Outlook {
-    pub(super) fn goal(&self, lowest: f64) -> f64 {
-        let k = super::knobs();
-        lowest - k.mj * self.jitter.sqrt() - k.mt * self.trend.sqrt()
-    }
 }

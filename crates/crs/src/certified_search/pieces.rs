@@ -2,21 +2,21 @@
 
 use crate::Axis;
 
-type Box = Vec<(f64, f64)>;
+type Interval = (f64, f64);
 
 /// The share of the domain in a box.
-pub(super) fn share(axes: &[Axis], piece: &[(f64, f64)]) -> f64 {
+pub(super) fn share(axes: &[Axis], piece: &[Interval]) -> f64 {
     axes.iter().zip(piece).map(|(axis, (lo, hi))| axis.share(*lo, *hi)).product()
 }
 
 /// The place in the middle.
-pub(super) fn centre(axes: &[Axis], piece: &[(f64, f64)]) -> Vec<f64> {
+pub(super) fn centre(axes: &[Axis], piece: &[Interval]) -> Vec<f64> {
     axes.iter().zip(piece).map(|(axis, (lo, hi))| axis.part(*lo, *hi, 0.5)).collect()
 }
 
 /// What is left of a piece without `covered`, as at most two boxes for each axis. Slabs are cut off the axis first where
 /// most is left, which keeps the rest from becoming narrow.
-pub(super) fn subtract(axes: &[Axis], piece: &[(f64, f64)], covered: &[(f64, f64)]) -> Vec<Box> {
+pub(super) fn subtract(axes: &[Axis], piece: &[Interval], covered: &[Interval]) -> Vec<Vec<Interval>> {
     let left = |axis: usize| {
         let ((lo, hi), (from, to)) = (piece[axis], covered[axis]);
         axes[axis].share(lo, from).max(axes[axis].share(to, hi))
@@ -40,8 +40,8 @@ pub(super) fn subtract(axes: &[Axis], piece: &[(f64, f64)], covered: &[(f64, f64
 }
 
 /// A piece in two, at `x` along its longest side; none when it holds no place but `x`.
-pub(super) fn halves(axes: &[Axis], piece: &[(f64, f64)], x: &[f64]) -> Vec<Box> {
-    let mut longest: Option<(usize, f64, [(f64, f64); 2])> = None;
+pub(super) fn halves(axes: &[Axis], piece: &[Interval], x: &[f64]) -> Vec<Vec<Interval>> {
+    let mut longest: Option<(usize, f64, [Interval; 2])> = None;
     for (number, (axis, (lo, hi))) in axes.iter().zip(piece).enumerate() {
         // A counted axis is cut above `x`, which may be its lowest value.
         let cut = if axis.count().is_none() { x[number] } else { x[number].next_up() };

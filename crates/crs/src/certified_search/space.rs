@@ -5,10 +5,10 @@ use std::collections::BinaryHeap;
 
 use super::outlook::{Level, Outlook, Pair};
 use super::pieces::{centre, halves, share, subtract};
-use super::{CertifiedSearch, HONEST, HOPELESS};
+use super::{CertifiedSearch, HONEST};
 use crate::ledger::Ledger;
 use crate::steps::Key;
-use crate::{Cost, Minimum, SearchError, Step, StopReason};
+use crate::{Axis, Cost, Minimum, SearchError, Step, StopReason};
 
 pub(super) struct Space<'a, C: ?Sized> {
     ledger: Ledger<'a, C>,
@@ -44,7 +44,7 @@ struct Observation {
 impl<'a, C: Cost + ?Sized> Space<'a, C> {
     pub(super) fn new(ledger: Ledger<'a, C>, search: &'a CertifiedSearch) -> Self {
         let axes = ledger.bounds().axes();
-        let whole = axes.iter().map(super::super::axis::Axis::span).collect();
+        let whole = axes.iter().map(Axis::span).collect();
         let mut space = Self {
             counted: axes.iter().all(|axis| axis.count().is_some()),
             ledger,
@@ -105,7 +105,7 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
             self.refresh();
         }
         self.questions += 1;
-        let mut by_size = self.questions.is_multiple_of(HONEST);
+        let by_size = self.questions.is_multiple_of(HONEST);
         loop {
             let (Key(key), Reverse(number)) =
                 if by_size { self.by_size.pop()? } else { self.by_score.pop()? };
@@ -116,11 +116,6 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
                 let entry = (Key::new(score), Reverse(number));
                 if score < key && self.by_score.peek().is_some_and(|next| *next > entry) {
                     self.by_score.push(entry);
-                    continue;
-                }
-                if score < HOPELESS {
-                    self.by_score.push(entry);
-                    by_size = true;
                     continue;
                 }
             }
@@ -221,12 +216,11 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
             self.pieces.into_iter().flatten().map(|piece| piece.axes).collect();
         let (mut uncovered, mut missing) = (0.0, false);
         while let Some(piece) = open.pop() {
-            match self.ledger.steps().proof(&piece, lowest, self.counted) {
-                Some(covered) => open.extend(subtract(axes, &piece, covered)),
-                None => {
-                    uncovered += share(axes, &piece);
-                    missing = true;
-                }
+            if let Some(covered) = self.ledger.steps().proof(&piece, lowest, self.counted) {
+                open.extend(subtract(axes, &piece, covered));
+            } else {
+                uncovered += share(axes, &piece);
+                missing = true;
             }
         }
         let most = if missing { 1.0_f64.next_down() } else { 1.0 };
