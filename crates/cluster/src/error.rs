@@ -33,6 +33,14 @@ pub enum ClusterError {
         /// Length of its normal.
         length: f64,
     },
+    /// A node has a neighbour that does not have it.
+    #[error("node {to} is a neighbour of node {from}, but not the other way round")]
+    OneWay {
+        /// The node that has the neighbour.
+        from: usize,
+        /// The neighbour.
+        to: usize,
+    },
     /// Nodes are numbered with 32 bits.
     #[error("{nodes} nodes are more than can be numbered")]
     TooManyNodes {

@@ -1,15 +1,10 @@
 //! Uncertain region growing.
 
-use rand::SeedableRng;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::SliceRandom;
-use terrace_stats::{Moments, UncertainVector};
+use terrace_stats::UncertainVector;
 
-use crate::distance::aligned;
-use crate::{ClusterError, Interval, Segmentation};
-
-/// How far the length of a normal may be from 1: single precision and a few rotations are within.
-const UNIT: f64 = 1e-3;
+use crate::candidates::candidates;
+use crate::growth::{Position, Rules, grow};
+use crate::{ClusterError, Interval, SeedOrder, Segmentation};
 
 /// Settings of the clustering.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,19 +24,6 @@ impl Default for Params {
     fn default() -> Self {
         Self { phi: 0.1, omega: 0.4, seeds: SeedOrder::MostCertain }
     }
-}
-
-/// The order in which unvisited nodes found clusters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SeedOrder {
-    /// Smallest `s_x + s_y + s_z` first, the smaller node on a tie: clusters begin in the middle of surfaces.
-    #[default]
-    MostCertain,
-    /// At random, as in the paper: the same `seed` gives the same order.
-    Random {
-        /// Seed of a ChaCha8 generator.
-        seed: u64,
-    },
 }
 
 /// Clusters the same nodes at any number of thresholds, on reused memory.
@@ -82,34 +64,10 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
         omega: f64,
         seeds: SeedOrder,
     ) -> Result<Self, ClusterError> {
-        if omega.is_nan() || omega <= 0.0 {
-            return Err(ClusterError::Omega { omega });
-        }
-        let nodes =
-            u32::try_from(normals.len()).map_err(|_| ClusterError::TooManyNodes { nodes: normals.len() })?;
-        for (node, normal) in normals.iter().enumerate() {
-            let Some(n) = normal else { continue };
-            if !n.is_finite() {
-                return Err(ClusterError::Normal { node, normal: n.value });
-            }
-            let length = n.value.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > UNIT {
-                return Err(ClusterError::Length { node, length });
-            }
-        }
-        let total = |node: u32| normals[node as usize].map(|n| n.error.iter().sum::<f64>());
-        let mut candidates: Vec<u32> =
-            (0..nodes).filter(|node| total(*node).is_some_and(|s| s < omega)).collect();
+        let candidates = candidates(normals, omega, seeds)?;
         let mut takes_part = vec![false; normals.len()];
         for node in &candidates {
             takes_part[*node as usize] = true;
-        }
-        match seeds {
-            SeedOrder::MostCertain => {
-                let key = |node: u32| total(node).unwrap_or(f64::INFINITY);
-                candidates.sort_by(|a, b| key(*a).total_cmp(&key(*b)));
-            }
-            SeedOrder::Random { seed } => candidates.shuffle(&mut ChaCha8Rng::seed_from_u64(seed)),
         }
         Ok(Self { normals, neighbours, candidates, takes_part, result: Segmentation::empty() })
     }
@@ -139,42 +97,51 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
         clusters.clear();
         cluster_of.clear();
         cluster_of.resize(self.normals.len(), None);
-        let mut interval = Interval::ALL;
+        let mut run =
+            Run { phi, interval: Interval::ALL, takes_part: &self.takes_part, cluster_of, number: 0 };
         let mut tests = 0;
-        for seed in &self.candidates {
-            let seed_node = *seed as usize;
-            let (None, Some(normal)) = (cluster_of[seed_node], &self.normals[seed_node]) else { continue };
-            // Fewer clusters than nodes, which fit 32 bits.
-            #[allow(clippy::cast_possible_truncation)]
-            let number = clusters.len() as u32;
-            let mut moments = Moments::default();
-            moments.push(normal);
-            cluster_of[seed_node] = Some(number);
-            let mut member = nodes.len();
-            nodes.push(*seed);
-            while member < nodes.len() {
-                for next in (self.neighbours)(nodes[member] as usize) {
-                    let node = *next as usize;
-                    if self.takes_part.get(node) != Some(&true) || cluster_of[node].is_some() {
-                        continue;
-                    }
-                    let Some(normal) = &self.normals[node] else { continue };
-                    let normal = aligned(normal, &moments);
-                    let Some(squared) = moments.expected_squared_distance(&normal) else { continue };
-                    tests += 1;
-                    if interval.decide(0.5 * squared, phi) {
-                        moments.push(&normal);
-                        cluster_of[node] = Some(number);
-                        nodes.push(*next);
-                    }
-                }
-                member += 1;
-            }
-            clusters.push((nodes.len(), moments));
+        for founder in &self.candidates {
+            let (true, Some(normal)) = (run.is_free(*founder), &self.normals[*founder as usize]) else {
+                continue;
+            };
+            nodes.push(*founder);
+            run.joined(*founder);
+            let start = Position::founded(normal, nodes.len());
+            let end = grow(self.normals, &self.neighbours, nodes, start, &mut run);
+            tests += end.tests;
+            clusters.push((nodes.len(), end.moments));
+            run.number += 1;
         }
+        self.result.interval = run.interval;
         self.result.phi = phi;
-        self.result.interval = interval;
         self.result.tests = tests;
         Ok(&self.result)
+    }
+}
+
+/// What a run knows while it goes.
+struct Run<'r> {
+    phi: f64,
+    interval: Interval,
+    takes_part: &'r [bool],
+    cluster_of: &'r mut [Option<u32>],
+    /// The number of the cluster that grows.
+    number: u32,
+}
+
+impl Rules for Run<'_> {
+    #[inline]
+    fn is_free(&self, node: u32) -> bool {
+        self.takes_part.get(node as usize) == Some(&true) && self.cluster_of[node as usize].is_none()
+    }
+
+    #[inline]
+    fn joins(&mut self, distance: f64, _: impl FnOnce() -> Position) -> bool {
+        self.interval.decide(distance, self.phi)
+    }
+
+    #[inline]
+    fn joined(&mut self, node: u32) {
+        self.cluster_of[node as usize] = Some(self.number);
     }
 }

@@ -19,6 +19,15 @@ impl Interval {
         self.lo <= phi && self.hi.is_none_or(|hi| phi < hi)
     }
 
+    /// The thresholds of both.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let hi = match (self.hi, other.hi) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        Self { lo: self.lo.max(other.lo), hi }
+    }
+
     /// Takes note of a decision at `phi`, and returns whether the distance was accepted.
     #[inline]
     pub(crate) fn decide(&mut self, distance: f64, phi: f64) -> bool {

@@ -37,18 +37,26 @@
 //! neighbour lookup that names a node
 //! beyond the slice has that neighbour ignored. Nothing panics. At most 2³² − 1 nodes.
 
+mod candidates;
 mod distance;
 mod error;
 mod grower;
+mod growth;
 mod interval;
+mod marks;
+mod repair;
 mod segmentation;
+mod staircase;
 mod subgraph;
+mod sums;
 
+pub use candidates::SeedOrder;
 pub use distance::orientation_distance;
 pub use error::ClusterError;
-pub use grower::{Grower, Params, SeedOrder, segment};
+pub use grower::{Grower, Params, segment};
 pub use interval::Interval;
 pub use segmentation::{Cluster, Segmentation};
+pub use staircase::{Outcome, Stair, Staircase};
 pub use subgraph::Subgraph;
 
 /// The examples of the README are tests.

@@ -43,8 +43,13 @@ impl<'a> Cluster<'a> {
     /// The uncertainty (s_x, s_y, s_z) of the orientation: per axis the root of the dispersion of the members' normals
     /// plus their mean squared error, `s² = S/n − (L/n)² + E/n`.
     pub fn uncertainty(&self) -> [f64; 3] {
-        self.moments.variance_with_error().unwrap_or_default().map(f64::sqrt)
+        uncertainty_of(self.moments)
     }
+}
+
+/// (s_x, s_y, s_z) of a cluster; zero for one without members.
+pub(crate) fn uncertainty_of(moments: &Moments) -> [f64; 3] {
+    moments.variance_with_error().unwrap_or_default().map(f64::sqrt)
 }
 
 impl Segmentation {
