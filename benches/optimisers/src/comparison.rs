@@ -1,6 +1,7 @@
 //! Running the methods over the seeds, and what comes of it.
 
 use std::error::Error;
+use std::fmt::Display;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -37,10 +38,13 @@ impl Row {
     ) -> Result<Self, Box<dyn Error>> {
         let one = |seed| -> Result<Option<usize>, String> {
             let named =
-                |error: &dyn Error| format!("{} on {}, seed {seed}: {error}", method.name(), problem.name);
+                |error: &dyn Display| format!("{} on {}, seed {seed}: {error}", method.name(), problem.name);
             let mut recorder =
                 problem.recorder(seed, cap * problem.dimension).map_err(|error| named(&error))?;
-            method.run(&mut recorder, seed).map_err(|error| named(&*error))?;
+            method.run(&mut recorder, seed).map_err(|error| named(&error))?;
+            if recorder.asked_outside() {
+                return Err(named(&"evaluated outside the bounds"));
+            }
             Ok(recorder.success())
         };
         let success = (0..seeds).into_par_iter().map(one).collect::<Result<_, _>>()?;

@@ -29,7 +29,7 @@ struct Arguments {
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// Most evaluations of a run, for each axis
-    #[arg(long, default_value_t = 400, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     cap: u64,
     /// Folder of recorded staircases in JSON, compared after the test functions
     #[arg(long, value_name = "DIR")]

@@ -65,7 +65,11 @@ fn threshold(cost: &mut dyn TestCost) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     let bounds = cost.bounds();
     let mut place = || -> Vec<f64> {
-        bounds.axes().iter().map(|(lo, hi)| lo + (hi - lo) * rng.random_range(0.0..1.0)).collect()
+        bounds
+            .axes()
+            .iter()
+            .map(|axis| axis.lo() + (axis.hi() - axis.lo()) * rng.random_range(0.0..1.0))
+            .collect()
     };
     let mut values: Vec<f64> = (0..PLACES).map(|_| cost.evaluate(&place()).value).collect();
     values.sort_by(f64::total_cmp);
@@ -81,8 +85,8 @@ pub fn test_functions() -> Result<Vec<Problem>, Box<dyn Error>> {
     let mut problems = Vec::new();
     for dimension in [1, 2, 5] {
         problems.push(Problem::new(move |_| DeJong::new(dimension))?);
-        problems.push(Problem::new(move |_| Rastrigin::new(dimension, 64))?);
-        problems.push(Problem::new(move |_| Ackley::new(dimension, 256))?);
+        problems.push(Problem::new(move |seed| Rastrigin::with_optimum(64, &cells(seed, 64, dimension)))?);
+        problems.push(Problem::new(move |seed| Ackley::with_optimum(256, &cells(seed, 256, dimension)))?);
         // One part in fifty, a hundred and 98 of the domain.
         let width = [0.02, 0.1, 0.4][dimension / 2];
         problems.push(Problem::new(move |seed| Needle::flat(dimension, needle(seed, width), width))?);
@@ -105,6 +109,12 @@ pub fn test_functions() -> Result<Vec<Problem>, Box<dyn Error>> {
 fn needle(seed: u64, width: f64) -> f64 {
     let share: f64 = ChaCha8Rng::seed_from_u64(seed).random_range(0.0..1.0);
     0.5 + (0.5 - width) * share
+}
+
+/// The cell of the optimum of run number `seed` on each axis.
+fn cells(seed: u64, cells: usize, dimension: usize) -> Vec<usize> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (0..dimension).map(|_| rng.random_range(0..cells)).collect()
 }
 
 #[cfg(test)]

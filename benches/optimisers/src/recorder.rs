@@ -11,6 +11,7 @@ pub struct Recorder {
     threshold: f64,
     cap: usize,
     evaluations: usize,
+    asked_outside: bool,
     /// Each evaluation that lowered the value, and the value.
     lowered: Vec<(usize, f64)>,
 }
@@ -19,7 +20,7 @@ impl Recorder {
     /// Success is a value of at most `threshold`; at most `cap` evaluations.
     pub fn new(cost: Box<dyn TestCost>, threshold: f64, cap: usize) -> Self {
         let bounds = cost.bounds();
-        Self { cost, bounds, threshold, cap, evaluations: 0, lowered: Vec::new() }
+        Self { cost, bounds, threshold, cap, evaluations: 0, asked_outside: false, lowered: Vec::new() }
     }
 
     /// Where the method may look.
@@ -29,7 +30,7 @@ impl Recorder {
 
     /// The lower and the upper corner of the bounds.
     pub fn corners(&self) -> (Vec<f64>, Vec<f64>) {
-        self.bounds.axes().iter().copied().unzip()
+        self.bounds.axes().iter().map(|axis| (axis.lo(), axis.hi())).unzip()
     }
 
     /// What counts as success.
@@ -47,6 +48,11 @@ impl Recorder {
         self.cap - self.evaluations
     }
 
+    /// Whether a place outside the bounds was evaluated, which would make the comparison unfair.
+    pub fn asked_outside(&self) -> bool {
+        self.asked_outside
+    }
+
     /// Whether nothing more is answered.
     pub fn over(&self) -> bool {
         self.left() == 0 || self.success().is_some()
@@ -62,6 +68,7 @@ impl Recorder {
         if self.over() {
             return None;
         }
+        self.asked_outside |= !self.bounds.contains(x);
         let evaluation = self.cost.evaluate(x);
         self.evaluations += 1;
         if self.lowered.last().is_none_or(|(_, lowest)| evaluation.value < *lowest) {
@@ -94,6 +101,16 @@ mod tests {
         assert_eq!(recorder.value(&[2.5]), 1.0);
         assert_eq!((recorder.success(), recorder.over(), recorder.evaluations()), (Some(4), true, 4));
         assert_eq!((recorder.ask(&[0.5]), recorder.evaluations()), (None, 4));
+    }
+
+    #[test]
+    fn places_outside_are_noticed() {
+        let mut recorder = recorder(9);
+        recorder.value(&[0.0]);
+        recorder.value(&[1.0]);
+        assert!(!recorder.asked_outside());
+        recorder.value(&[3.1]);
+        assert!(recorder.asked_outside());
     }
 
     #[test]

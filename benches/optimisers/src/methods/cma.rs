@@ -20,7 +20,8 @@ impl Method for CmaEs {
     }
 
     fn run(&self, recorder: &mut Recorder, seed: u64) -> Result<(), Box<dyn Error>> {
-        let axes = recorder.bounds().axes().to_vec();
+        let (lo, hi) = recorder.corners();
+        let axes: Vec<(f64, f64)> = lo.into_iter().zip(hi).collect();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for restart in 0.. {
             let start: Vec<f64> = place(recorder, &mut rng)

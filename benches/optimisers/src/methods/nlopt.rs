@@ -21,6 +21,7 @@ impl Method for Crs2Lm {
         let (lo, hi) = recorder.corners();
         let mut x = place(recorder, &mut ChaCha8Rng::seed_from_u64(seed));
         let (threshold, left) = (recorder.threshold(), u32::try_from(recorder.left())?);
+        #[allow(clippy::mut_mut, reason = "NLopt hands its user data back by reference")]
         let objective = |x: &[f64], _: Option<&mut [f64]>, recorder: &mut &mut Recorder| recorder.value(x);
         let mut search = Nlopt::new(Algorithm::Crs2Lm, lo.len(), objective, Target::Minimize, recorder);
         let set = [

@@ -4,7 +4,10 @@ use std::error::Error;
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use terrace_crs::{Bounds, ControlledRandomSearch, Cost, Evaluation, SearchError, Steps};
+use terrace_crs::{
+    Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum, SearchError,
+    Steps, Stopping, Sweep,
+};
 
 use super::Method;
 use crate::recorder::Recorder;
@@ -12,10 +15,11 @@ use crate::recorder::Recorder;
 /// A search that keeps ending without an evaluation knows all the steps it can find.
 const IDLE: usize = 100;
 
-type Search = fn(&mut Objective, &Bounds, &mut Steps, &mut ChaCha8Rng) -> Result<(), SearchError>;
+type Search =
+    fn(Stopping, &mut Objective, &Bounds, &mut Steps, &mut ChaCha8Rng) -> Result<Minimum, SearchError>;
 
-/// A search with its own parameters. When it ends by its own rules it starts again from the generator as it is by then,
-/// with the steps already known.
+/// A search with its own parameters, which ends at the value and the number of evaluations that the recorder allows. When
+/// it ends by its own rules before, it starts again from the generator as it is by then, with the steps already known.
 struct Ours {
     name: &'static str,
     tells_steps: bool,
@@ -25,13 +29,29 @@ struct Ours {
 
 /// Those that are in the tree.
 pub fn all() -> Vec<Box<dyn Method>> {
-    let any = |_| true;
-    let figure_2: Search = |cost, bounds, steps, rng| {
-        ControlledRandomSearch::default().minimise_with(cost, bounds, steps, rng).map(|_| ())
+    let any: fn(usize) -> bool = |_| true;
+    let figure_2: Search = |stopping, cost, bounds, steps, rng| {
+        ControlledRandomSearch { stopping, ..Default::default() }.minimise_with(cost, bounds, steps, rng)
+    };
+    let mutation: Search = |stopping, cost, bounds, steps, rng| {
+        LocalMutation { stopping, ..Default::default() }.minimise_with(cost, bounds, steps, rng)
+    };
+    let sweep: Search = |stopping, cost, bounds, steps, _| {
+        Sweep { stopping, ..Default::default() }.minimise_with(cost, bounds, steps)
+    };
+    let certified: Search = |stopping, cost, bounds, steps, _| {
+        CertifiedSearch { stopping, ..Default::default() }.minimise_with(cost, bounds, steps)
+    };
+    let ours = |name, tells_steps, takes, search| -> Box<dyn Method> {
+        Box::new(Ours { name, tells_steps, takes, search })
     };
     vec![
-        Box::new(Ours { name: "Fig. 2, no steps", tells_steps: false, takes: any, search: figure_2 }),
-        Box::new(Ours { name: "Fig. 2", tells_steps: true, takes: any, search: figure_2 }),
+        ours("Fig. 2, no steps", false, any, figure_2),
+        ours("Fig. 2", true, any, figure_2),
+        ours("LocalMutation, no steps", false, any, mutation),
+        ours("LocalMutation", true, any, mutation),
+        ours("Sweep", true, |dimension| dimension == 1, sweep),
+        ours("CertifiedSearch", true, any, certified),
     ]
 }
 
@@ -45,7 +65,7 @@ impl Cost for Objective<'_> {
         match self.recorder.ask(x) {
             Some(evaluation) if self.tells_steps => evaluation,
             Some(evaluation) => Evaluation::point(evaluation.value),
-            // The search ends with an error, which is what is wanted here.
+            // Not reached: the search is told the same limits.
             None => Evaluation::point(f64::NAN),
         }
     }
@@ -67,12 +87,16 @@ impl Method for Ours {
         let mut idle = 0;
         while !recorder.over() && idle < IDLE {
             let before = recorder.evaluations();
+            let (evaluations, target) = (Some(recorder.left()), Some(recorder.threshold()));
+            let stopping = Stopping { evaluations, target, ..Stopping::default() };
             let mut objective = Objective { recorder: &mut *recorder, tells_steps: self.tells_steps };
-            let result = (self.search)(&mut objective, &bounds, &mut steps, &mut rng);
-            match result {
-                Err(error) if !recorder.over() => return Err(error.into()),
-                _ => idle = if recorder.evaluations() > before { 0 } else { idle + 1 },
+            let minimum = (self.search)(stopping, &mut objective, &bounds, &mut steps, &mut rng)?;
+            if minimum.is_proven() && !recorder.over() {
+                return Err(
+                    format!("{} is proven to be the minimum, but is no success", minimum.value).into()
+                );
             }
+            idle = if recorder.evaluations() > before { 0 } else { idle + 1 };
         }
         Ok(())
     }
