@@ -37,6 +37,12 @@ pub enum SearchError {
         /// The target asked for.
         target: f64,
     },
+    /// The finest mesh of a pattern search is not above zero: it would never be reached.
+    #[error("the finest mesh {finest:?} is not a number above 0")]
+    Mesh {
+        /// The mesh asked for.
+        finest: f64,
+    },
     /// The search had to end before any value was known: too few evaluations were allowed, or it was cancelled.
     #[error("the search ended before any value was known: {stop:?}")]
     NothingSeen {

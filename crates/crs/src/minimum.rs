@@ -53,7 +53,8 @@ pub struct Trial {
     pub value: f64,
     /// Where the value came from.
     pub source: Source,
-    /// Whether the place entered the population. Methods without one: whether it was the lowest so far.
+    /// Whether the place entered the population. Methods without one: whether the search went on from there (pattern
+    /// search) or it was the lowest so far (the others).
     pub accepted: bool,
     /// The round, counted from one; zero is the first population, or the start places.
     pub round: usize,

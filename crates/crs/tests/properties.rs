@@ -3,128 +3,16 @@
 // Results are exact here; a test has no caller to report to.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
+mod common;
+
+use common::{AskedOnce, Staircase, Tells, around, staircase};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use terrace_crs::{
-    Bounds, ControlledRandomSearch, Cost, Evaluation, Minimum, Source, Step, Steps, StopReason, Stopping,
+    Bounds, ControlledRandomSearch, Evaluation, Minimum, Source, Step, Steps, StopReason, Stopping,
 };
-
-/// What a staircase tells of its steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Tells {
-    All,
-    /// Less than the step: at most this far from x.
-    Near(f64),
-    Nothing,
-    /// All of it in the lower half of the first axis, nothing above.
-    Half,
-}
-
-/// A cost on [0, 1]^d that is constant on every cell between cuts.
-#[derive(Debug, Clone)]
-struct Staircase {
-    cuts: Vec<Vec<f64>>,
-    values: Vec<f64>,
-    tells: Tells,
-}
-
-impl Staircase {
-    /// The cell around x: its number and its box.
-    fn cell(&self, x: &[f64]) -> (usize, Vec<f64>, Vec<f64>) {
-        let (mut cell, mut lo, mut hi) = (0, Vec::new(), Vec::new());
-        for (cuts, &x) in self.cuts.iter().zip(x) {
-            let below = cuts.iter().filter(|&&cut| cut <= x).count();
-            cell = cell * (cuts.len() + 1) + below;
-            lo.push(if below == 0 { f64::NEG_INFINITY } else { cuts[below - 1] });
-            hi.push(cuts.get(below).copied().unwrap_or(f64::INFINITY));
-        }
-        (cell, lo, hi)
-    }
-
-    fn value(&self, x: &[f64]) -> f64 {
-        self.values[self.cell(x).0]
-    }
-
-    fn cells(&self) -> usize {
-        self.cuts.iter().map(|cuts| cuts.len() + 1).product()
-    }
-
-    fn lowest(&self) -> f64 {
-        // Cuts are inside (0, 1), so that the search can stand on every cell.
-        self.values[..self.cells()].iter().copied().fold(f64::INFINITY, f64::min)
-    }
-
-    fn bounds(&self) -> Bounds {
-        Bounds::new(vec![(0.0, 1.0); self.cuts.len()]).unwrap()
-    }
-
-    fn answer(&self, x: &[f64]) -> Evaluation {
-        let (cell, mut lo, mut hi) = self.cell(x);
-        if let Tells::Near(reach) = self.tells {
-            for (axis, &x) in x.iter().enumerate() {
-                lo[axis] = lo[axis].max(x - reach);
-                hi[axis] = hi[axis].min(x + reach);
-            }
-        }
-        let nothing = self.tells == Tells::Nothing || self.tells == Tells::Half && x[0] > 0.5;
-        let step = if nothing { Step::Point } else { Step::Box { lo, hi } };
-        Evaluation { value: self.values[cell], step }
-    }
-}
-
-/// Fails when it is asked where it has answered already.
-struct AskedOnce<'a> {
-    staircase: &'a Staircase,
-    answers: Vec<(Vec<f64>, Step)>,
-}
-
-impl Cost for AskedOnce<'_> {
-    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
-        for (origin, step) in &self.answers {
-            assert!(!step.contains(origin, x), "asked at {x:?}, known on {step} since {origin:?}");
-        }
-        let answer = self.staircase.answer(x);
-        self.answers.push((x.to_vec(), answer.step.clone()));
-        answer
-    }
-}
-
-fn tells() -> impl Strategy<Value = Tells> {
-    prop_oneof![
-        Just(Tells::All),
-        (0.001..0.3_f64).prop_map(Tells::Near),
-        Just(Tells::Nothing),
-        Just(Tells::Half)
-    ]
-}
-
-/// Few different values make ties; many make a rugged staircase.
-fn values(count: usize) -> impl Strategy<Value = Vec<f64>> {
-    prop_oneof![
-        prop::collection::vec((0..4).prop_map(f64::from), count),
-        prop::collection::vec(-1e3..1e3_f64, count)
-    ]
-}
-
-fn staircase() -> impl Strategy<Value = Staircase> {
-    // Cuts on a coarse raster coincide with start points and with each other's sums.
-    let cut = prop_oneof![1e-9..1.0_f64, (1..16).prop_map(|i| f64::from(i) / 16.0)];
-    let axis = |most| {
-        prop::collection::vec(cut.clone(), 0..most).prop_map(|mut cuts| {
-            cuts.sort_by(f64::total_cmp);
-            cuts.dedup();
-            cuts
-        })
-    };
-    let cuts = prop_oneof![
-        prop::collection::vec(axis(40), 1),
-        prop::collection::vec(axis(8), 2),
-        prop::collection::vec(axis(4), 3)
-    ];
-    (cuts, values(81), tells()).prop_map(|(cuts, values, tells)| Staircase { cuts, values, tells })
-}
 
 fn search() -> impl Strategy<Value = ControlledRandomSearch> {
     let spread = prop_oneof![Just(None), Just(Some(0.0)), (0.0..100.0_f64).prop_map(Some)];
@@ -139,26 +27,8 @@ fn search() -> impl Strategy<Value = ControlledRandomSearch> {
 }
 
 fn run(search: &ControlledRandomSearch, staircase: &Staircase, seed: u64) -> Minimum {
-    let mut cost = AskedOnce { staircase, answers: Vec::new() };
+    let mut cost = AskedOnce::new(staircase, false);
     search.minimise(&mut cost, &staircase.bounds(), &mut ChaCha8Rng::seed_from_u64(seed)).unwrap()
-}
-
-/// Places of interest: the borders of a step and their neighbours, kept finite.
-fn around(step: &Step, x: &[f64]) -> Vec<Vec<f64>> {
-    let Step::Box { lo, hi } = step else { return vec![x.to_vec()] };
-    let ends = |axis: usize| {
-        let (lo, hi) = (lo[axis].max(-9.0), hi[axis].min(9.0));
-        [lo, lo.next_down(), hi, hi.next_down(), x[axis]]
-    };
-    (0..x.len())
-        .flat_map(|axis| {
-            ends(axis).map(|end| {
-                let mut place = x.to_vec();
-                place[axis] = end;
-                place
-            })
-        })
-        .collect()
 }
 
 proptest! {
