@@ -133,7 +133,7 @@ impl CertifiedSearch {
         bounds: &Bounds,
         steps: &mut Steps,
     ) -> Result<Minimum, SearchError> {
-        let ledger = Ledger::open(cost, bounds, steps, &self.stopping)?;
+        let ledger = Ledger::open(cost, bounds, steps, &self.stopping)?.marking_lowest();
         check_starts(&self.start, bounds)?;
         match bounds.axes() {
             [axis] => line::Line::new(axis, ledger, self).run(),

@@ -14,6 +14,8 @@ pub(crate) struct Ledger<'a, C: ?Sized> {
     bounds: &'a Bounds,
     stopping: &'a Stopping,
     trace: Vec<Trial>,
+    /// Whether to note the lowest place so far as accepted; for methods without a population.
+    marks_lowest: bool,
     evaluations: usize,
     /// Evaluations done when the lowest value was found.
     improved: usize,
@@ -58,7 +60,22 @@ impl<'a, C: Cost + ?Sized> Ledger<'a, C> {
             return Err(SearchError::StepsDimension { steps: steps.dimension(), bounds: dimension });
         }
         stopping.check()?;
-        Ok(Self { cost, steps, bounds, stopping, trace: Vec::new(), evaluations: 0, improved: 0, best: None })
+        let (marks_lowest, trace) = (false, Vec::new());
+        Ok(Self {
+            cost,
+            steps,
+            bounds,
+            stopping,
+            trace,
+            marks_lowest,
+            evaluations: 0,
+            improved: 0,
+            best: None,
+        })
+    }
+
+    pub(crate) fn marking_lowest(self) -> Self {
+        Self { marks_lowest: true, ..self }
     }
 
     /// The lowest value so far.
@@ -174,11 +191,13 @@ impl<'a, C: Cost + ?Sized> Ledger<'a, C> {
 
     fn note(&mut self, x: &[f64], value: f64, source: Source, round: usize) {
         // Strictly lower: of equal values the earlier found stays.
-        if !source.is_bound() && self.best.as_ref().is_none_or(|best| value < best.value) {
+        let lowest = !source.is_bound() && self.best.as_ref().is_none_or(|best| value < best.value);
+        if lowest {
             self.best = Some(Best { x: x.to_vec(), value });
             self.improved = self.evaluations;
         }
-        self.trace.push(Trial { x: x.to_vec(), value, source, accepted: false, round });
+        let accepted = lowest && self.marks_lowest;
+        self.trace.push(Trial { x: x.to_vec(), value, source, accepted, round });
     }
 
     /// Notes that the last `count` places asked for entered the population.

@@ -74,7 +74,7 @@ impl Sweep {
         steps: &mut Steps,
     ) -> Result<Minimum, SearchError> {
         let [axis] = bounds.axes() else { return Err(SearchError::NotOneAxis { axes: bounds.dimension() }) };
-        let mut ledger = Ledger::open(cost, bounds, steps, &self.stopping)?;
+        let mut ledger = Ledger::open(cost, bounds, steps, &self.stopping)?.marking_lowest();
         let mut rounds = 0;
         let mut next = Some(axis.lo());
         while let Some(x) = next {
@@ -85,19 +85,13 @@ impl Sweep {
                 return ledger.finish(rounds, StopReason::Rounds);
             }
             rounds += 1;
-            let before = ledger.lowest();
             let heard = if self.stop_early {
                 ledger.ask_below(&[x], rounds)?
             } else {
                 Heard::Value(ledger.ask(&[x], rounds)?)
             };
             let known = match heard {
-                Heard::Value(value) => {
-                    if before.is_none_or(|lowest| value < lowest) {
-                        ledger.accept(1);
-                    }
-                    ledger.steps().step_at(&[x])
-                }
+                Heard::Value(_) => ledger.steps().step_at(&[x]),
                 Heard::Bound(_) => ledger.steps().bound_at(&[x]),
             };
             next = match known.map(|known| known.step) {

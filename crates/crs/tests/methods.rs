@@ -82,7 +82,7 @@ fn scanned(staircase: &Staircase, answers: &[Answered], value: f64) -> (f64, f64
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     #[test]
     fn what_a_method_reports_is_true_and_the_lowest_it_saw(
@@ -256,9 +256,10 @@ proptest! {
     }
 
     #[test]
-    fn on_small_domains_all_methods_agree_with_brute_force(s in mixed(), seed: u64) {
-        let small = s.domain.iter().all(|axis| axis.count().is_some());
-        prop_assume!(small);
+    fn on_small_domains_all_methods_agree_with_brute_force(mut s in mixed(), seed: u64) {
+        for axis in s.domain.iter_mut().filter(|axis| axis.count().is_none()) {
+            *axis = Axis::Integer { lo: 0, hi: 5 };
+        }
         for method in ["sweep", "certified"] {
             let mut cost = AskedOnce::new(&s, false);
             if let Ok(minimum) = minimise(method, &mut cost, &s, &Stopping::default(), seed) {

@@ -158,6 +158,78 @@ proptest! {
     }
 
     #[test]
+    fn very_many_boxes_are_found_as_by_looking_at_each(
+        side in 5..20_usize, axes in 2..4_usize, reach in 0.1..2.0_f64, points in 0..60_usize, order: u64,
+    ) {
+        // Cells of a raster, some of them told in part only, so that boxes overlap.
+        let side = if axes == 2 { side } else { side / 2 + 1 };
+        let cells = side.pow(u32::try_from(axes).unwrap());
+        let mut answers: Vec<(Vec<f64>, Evaluation)> = (0..2 * cells + points)
+            .map(|number| {
+                let (mut cell, mut lo) = (number % cells, Vec::new());
+                for _ in 0..axes {
+                    lo.push((cell % side) as f64);
+                    cell /= side;
+                }
+                let part = if number < cells { 0.5 } else { 0.25 };
+                let x: Vec<f64> = lo.iter().map(|lo| lo + part).collect();
+                let step = Step::Box {
+                    lo: lo.iter().zip(&x).map(|(lo, x)| lo.max(x - reach)).collect(),
+                    hi: lo.iter().zip(&x).map(|(lo, x)| (lo + 1.0).min(x + reach)).collect(),
+                };
+                let step = if number < 2 * cells { step } else { Step::Point };
+                (x, Evaluation { value: (number % cells) as f64, step })
+            })
+            .collect();
+        answers.shuffle(&mut ChaCha8Rng::seed_from_u64(order));
+        let mut steps = Steps::new(&Bounds::new(vec![(0.0, side as f64); axes]).unwrap());
+        for (number, (x, answer)) in answers.iter().enumerate() {
+            steps.insert(x, answer).unwrap();
+            if number % 7 != 0 {
+                continue;
+            }
+            let known = &answers[..=number];
+            for probe in around(&answer.step, x).into_iter().chain([answers[(number * 13) % answers.len()].0.clone()]) {
+                let mut all = known.iter().filter(|(origin, a)| a.step.contains(origin, &probe));
+                prop_assert_eq!(steps.find(&probe), all.next().map(|(_, a)| a.value));
+                let boxed = known.iter().find(|(o, a)| a.step != Step::Point && a.step.contains(o, &probe));
+                if let Some((_, first)) = boxed {
+                    prop_assert_eq!(steps.step_at(&probe), Some(first.clone()), "the earliest answers");
+                }
+            }
+            let wrong = Evaluation { value: -1.0, step: answer.step.clone() };
+            prop_assert!(steps.insert(x, &wrong).is_err());
+        }
+    }
+
+    #[test]
+    fn the_highest_lower_bound_answers(
+        bounds in prop::collection::vec((0..16_u8, 1..9_u8, 0..5_u8, 0..8_u8), 1..60), axes in 1..4_usize,
+    ) {
+        let mut steps = Steps::new(&Bounds::new(vec![(0.0, 25.0); axes]).unwrap());
+        let mut told = Vec::new();
+        for (lo, width, value, shift) in bounds {
+            // Shifted along the first axis, so that boxes cross and do not only nest.
+            let mut lo = vec![f64::from(lo); axes];
+            lo[0] = (lo[0] + f64::from(shift)) % 17.0;
+            let hi: Vec<f64> = lo.iter().map(|lo| lo + f64::from(width)).collect();
+            let bound = Evaluation { value: f64::from(value), step: Step::Box { lo: lo.clone(), hi } };
+            steps.insert_bound(&lo, &bound).unwrap();
+            told.push((lo, bound));
+            for at in 0..50 {
+                let mut x = vec![f64::from(at) / 2.0; axes];
+                x[0] = (x[0] + 3.0) % 25.0;
+                let around = told.iter().filter(|(origin, bound)| bound.step.contains(origin, &x));
+                let highest = around.map(|(_, bound)| bound.value).reduce(f64::max);
+                let answer = steps.bound_at(&x);
+                prop_assert_eq!(answer.as_ref().map(|bound| bound.value), highest);
+                prop_assert!(answer.is_none_or(|bound| bound.step.contains(&x, &x)));
+                prop_assert_eq!(steps.find(&x), None, "a bound is no value");
+            }
+        }
+    }
+
+    #[test]
     fn borders_are_exact(lo in -1e6..1e6_f64, width in 1e-6..1e6_f64, part in 0.0..1.0_f64, axes in 1..4_usize) {
         let hi = lo + width;
         let x = (lo + part * width).clamp(lo, hi.next_down());

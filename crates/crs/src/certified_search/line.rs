@@ -92,11 +92,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
                 return self.ledger.finish(0, stop);
             }
             let [x] = start[..] else { continue };
-            let lowest = self.ledger.lowest();
             let value = self.ledger.ask(start, 0)?;
-            if lowest.is_none_or(|lowest| value < lowest) {
-                self.ledger.accept(1);
-            }
             if let Some(gap) = self.gap_around(x) {
                 self.cut(gap, x, value);
             }
@@ -148,31 +144,36 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             }
             return None;
         }
-        while self.walk.is_none() {
+        loop {
+            if let Some(gap) = self.next_on_walk() {
+                return Some((gap, 0.0));
+            }
             let (_, Reverse(gap)) = self.by_score.pop()?;
             if !matches!(self.stretches[gap].state, State::Gap) {
                 continue;
             }
             // The lowest value may have fallen since this score was computed, and scores fall with it.
             let (score, at) = self.score(gap);
-            let key = (Key::new(score), Reverse(gap));
-            if self.by_score.peek().is_some_and(|next| *next > key) {
-                self.by_score.push(key);
+            let entry = (Key::new(score), Reverse(gap));
+            if self.by_score.peek().is_some_and(|next| *next > entry) {
+                self.by_score.push(entry);
             } else if self.is_hopeless(gap, at) {
-                self.by_score.push(key);
+                self.by_score.push(entry);
                 self.walk = Some(self.first);
             } else {
                 return Some((gap, at));
             }
         }
+    }
+
+    /// The next gap in ascending order. The walk ends at the upper bound; gaps that were made behind it, by other places
+    /// of a group, make it begin again.
+    fn next_on_walk(&mut self) -> Option<usize> {
         while let Some(here) = self.walk {
             if matches!(self.stretches[here].state, State::Gap) {
-                return Some((here, 0.0));
+                return Some(here);
             }
-            match self.stretches[here].after {
-                Some(after) => self.walk = Some(after),
-                None => return None,
-            }
+            self.walk = self.stretches[here].after;
         }
         None
     }

@@ -68,10 +68,7 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
             if let Some(stop) = self.ledger.halt() {
                 return self.finish(0, stop);
             }
-            let lowest = self.ledger.lowest();
-            if self.ledger.ask(start, 0)? < lowest.unwrap_or(f64::INFINITY) {
-                self.ledger.accept(1);
-            }
+            self.ledger.ask(start, 0)?;
         }
         let mut rounds = 0;
         loop {
