@@ -9,11 +9,11 @@ use std::num::NonZeroUsize;
 
 use common::{Answered, AskedOnce, Staircase, Tells, mixed, staircase};
 use proptest::prelude::*;
-use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use terrace_crs::{
-    Axis, CertifiedSearch, ControlledRandomSearch, Cost, LocalMutation, Minimum, PatternSearch, SearchError,
-    Step, Steps, StopReason, Stopping, Sweep, in_parallel,
+    Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, LocalMutation, Minimum, PatternSearch,
+    SearchError, Step, Steps, StopReason, Stopping, Sweep, from_stairs, in_parallel,
 };
 
 const METHODS: [&str; 5] = ["controlled", "mutation", "pattern", "sweep", "certified"];
@@ -291,4 +291,49 @@ impl Cost for Answering<'_> {
     fn evaluate(&mut self, x: &[f64]) -> terrace_crs::Evaluation {
         (self.0)(x)
     }
+}
+
+/// A valley of this width in a plain of height 0.8, on 1024 steps that jump by about 2 %.
+fn valley(seed: u64) -> (impl Cost, f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (middle, width) = (rng.random_range(0.0..1.0), rng.random_range(0.05..0.3));
+    let mut value = |i: i32| {
+        let x = (f64::from(i) + 0.5) / 1024.0;
+        let jitter =
+            rng.random_range(-0.02..0.02) + if i % 17 == 0 { rng.random_range(0.0..0.3) } else { 0.0 };
+        0.8 - 0.5 * (1.0 - ((x - middle) / width as f64).abs()).max(0.0) + jitter
+    };
+    let values: Vec<f64> = (0..1024).map(&mut value).collect();
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let cost = from_stairs(move |x| {
+        let i = (x * 1024.0).floor();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in 0..1024")]
+        (values[(i as usize).min(1023)], i / 1024.0..(i + 1.0) / 1024.0)
+    });
+    (cost, lowest)
+}
+
+#[test]
+fn a_certified_search_finds_low_values_early() {
+    // Within 3 % of the range of the lowest: a search that only halves gaps needs about as many as the valley is narrow,
+    // and then luck.
+    let needed = |batch: usize| {
+        let mut needed: Vec<usize> = (0..60)
+            .map(|seed| {
+                let (mut cost, lowest) = valley(seed);
+                let search = CertifiedSearch {
+                    batch: NonZeroUsize::new(batch),
+                    stopping: Stopping { target: Some(lowest + 0.015), ..Stopping::default() },
+                    ..CertifiedSearch::default()
+                };
+                search.minimise(&mut cost, &Bounds::interval(0.0, 0.9995).unwrap()).unwrap().evaluations
+            })
+            .collect();
+        needed.sort_unstable();
+        (needed[30], needed[54])
+    };
+    let (half, most) = needed(1);
+    assert!(half <= 26 && most <= 70, "{half} and {most} evaluations");
+    let (half, most) = needed(4);
+    assert!(half <= 32 && most <= 75, "{half} and {most} evaluations");
 }

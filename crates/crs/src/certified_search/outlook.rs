@@ -135,3 +135,79 @@ fn typical(pairs: &mut [Pair]) -> (f64, f64) {
         pairs.select_nth_unstable_by(half, |a, b| a.difference.total_cmp(&b.difference)).1.difference;
     (distance, (difference / MEDIAN).powi(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand::rngs::ChaCha8Rng;
+
+    use super::*;
+    use crate::draw::unit;
+
+    /// About standard normal.
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| unit(rng)).sum::<f64>() - 6.0
+    }
+
+    /// A random walk with jitter, seen at unequal distances: distances, values, and the walk itself.
+    fn walk(trend: f64, jitter: f64, count: usize) -> (Vec<(f64, f64)>, Vec<f64>) {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let (mut known, mut levels, mut level) = (Vec::new(), Vec::new(), 0.0);
+        for i in 0..count {
+            let distance = if i % 3 == 0 { 5.0 } else { 0.05 } / count as f64;
+            level += (trend * distance).sqrt() * normal(&mut rng);
+            known.push((distance, level + jitter.sqrt() * normal(&mut rng)));
+            levels.push(level);
+        }
+        (known, levels)
+    }
+
+    fn pairs(known: &[(f64, f64)]) -> Vec<Pair> {
+        let pair = |pair: &[(f64, f64)]| Pair { distance: pair[1].0, difference: pair[1].1 - pair[0].1 };
+        known.windows(2).map(pair).collect()
+    }
+
+    #[test]
+    fn both_variances_are_found_again_within_a_third() {
+        for (trend, jitter) in [(4.0, 1e-3), (1.0, 1e-4), (100.0, 0.01)] {
+            let mut pairs = pairs(&walk(trend, jitter, 3000).0);
+            // One in fifty jumps wildly.
+            pairs.iter_mut().step_by(50).for_each(|pair| pair.difference *= 1e6);
+            let found = Outlook::estimate(&mut pairs);
+            assert!((found.trend / trend - 1.0).abs() < 0.33, "{found:?} for {trend}");
+            assert!((found.jitter / jitter - 1.0).abs() < 0.33, "{found:?} for {jitter}");
+        }
+    }
+
+    #[test]
+    fn the_smoother_comes_nearer_to_the_trend_than_the_values_and_knows_by_how_much() {
+        let (trend, jitter) = (1.0, 1e-3);
+        let (known, levels) = walk(trend, jitter, 3000);
+        let smooth = Outlook { trend, jitter }.smooth(&known);
+        let count = levels.len() as f64;
+        let off: f64 = smooth.iter().zip(&levels).map(|(s, l)| (s.mean - l).powi(2)).sum::<f64>() / count;
+        let said: f64 = smooth.iter().map(|s| s.variance).sum::<f64>() / count;
+        assert!(off < 0.6 * jitter, "{off}");
+        assert!((off / said - 1.0).abs() < 0.1, "{off} and not {said}");
+    }
+
+    #[test]
+    fn three_values_are_smoothed_as_by_hand() {
+        // Minimise Σ (yᵢ - mᵢ)² / 1 + Σ (mᵢ₊₁ - mᵢ)² / 1 with y = 0, 0, 4: (2, -1, 0; -1, 3, -1; 0, -1, 2) m = y.
+        let smooth = Outlook { trend: 1.0, jitter: 1.0 }.smooth(&[(0.0, 0.0), (1.0, 0.0), (1.0, 4.0)]);
+        for (level, mean) in smooth.iter().zip([0.5, 1.0, 2.5]) {
+            assert!((level.mean - mean).abs() < 1e-12, "{smooth:?}");
+        }
+    }
+
+    #[test]
+    fn the_chance_is_that_of_a_bridge() {
+        let outlook = Outlook { trend: 2.0, jitter: 0.5 };
+        let at = |mean| Level { mean, variance: 0.0 };
+        // Variance 2 · 1 · 1/4 of the path and 1/2 of the jitter.
+        assert_eq!(outlook.between(at(3.0), at(5.0), 1.0, 0.5, 2.0), -2.0);
+        let certain = Outlook { trend: 0.0, jitter: 0.0 };
+        assert_eq!(certain.between(at(1.0), at(1.0), 1.0, 0.5, 2.0), f64::INFINITY);
+        assert_eq!(certain.between(at(1.0), at(1.0), 1.0, 0.5, 1.0), f64::NEG_INFINITY);
+    }
+}

@@ -5,18 +5,21 @@ use super::tree::Tree;
 /// Boxes not yet in a tree are scanned; a new tree is built when they are this many.
 const TAIL: usize = 32;
 
+/// Of trees that differ less than by this factor one is made.
+const GROWTH: usize = 4;
+
 /// Half-open boxes in the order of insertion, found by bounding-box trees.
 ///
 /// The logarithmic method (J. L. Bentley, J. B. Saxe, *Decomposable searching problems I: static-to-dynamic
-/// transformation*, Journal of Algorithms 1 (4), 301-358, 1980): trees of 2ᵏ times [`TAIL`] boxes that are never
-/// changed; two of equal size are merged into one of twice the size. So each box is built into at most log₂(*k* / 32)
-/// trees, whatever the order of insertion, and a question visits that many.
+/// transformation*, Journal of Algorithms 1 (4), 301-358, 1980): trees that are never changed; a new one takes in those
+/// before it that are at most [`GROWTH`] times as large. So there are at most log₅(*k* / 32) trees to be visited by a
+/// question, and each box is built into a few times that many, whatever the order of insertion.
 #[derive(Debug, Clone)]
 pub(super) struct Forest {
     dimension: usize,
     /// The intervals `[lo, hi)` of all boxes, one after another.
     axes: Vec<(f64, f64)>,
-    /// From large to small, each at most half of the one before; together all boxes but the tail.
+    /// From large to small, each more than [`GROWTH`] times as large as all that follow; together all boxes but the tail.
     trees: Vec<Tree>,
     len: usize,
     treed: usize,
@@ -43,7 +46,7 @@ impl Forest {
             return;
         }
         let mut from = self.treed;
-        while let Some(last) = self.trees.pop_if(|tree| tree.len() <= self.len - from) {
+        while let Some(last) = self.trees.pop_if(|tree| tree.len() <= GROWTH * (self.len - from)) {
             from -= last.len();
         }
         self.trees.push(Tree::build(from..self.len, self.dimension, &self.axes));
@@ -81,13 +84,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trees_halve_in_size() {
+    fn trees_shrink_fast() {
         let mut forest = Forest::new(2);
         for i in 0..1000_u32 {
             let lo = f64::from(i);
             forest.insert(&[(lo, lo + 1.0), (f64::NEG_INFINITY, f64::INFINITY)]);
             let sizes: Vec<usize> = forest.trees.iter().map(Tree::len).collect();
-            assert!(sizes.windows(2).all(|pair| 2 * pair[1] <= pair[0]), "{sizes:?}");
+            assert!(sizes.windows(2).all(|pair| GROWTH * pair[1] < pair[0]), "{sizes:?}");
             assert!(forest.len - forest.treed < TAIL);
         }
         for i in 0..1000 {

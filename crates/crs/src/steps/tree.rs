@@ -82,41 +82,36 @@ impl Tree {
         axes: &[(f64, f64)],
         visit: &mut impl FnMut(usize) -> bool,
     ) -> bool {
-        self.walk(axes, |hull| overlap(hull, with), visit)
+        self.walk(0, axes, &|hull| overlap(hull, with), visit)
     }
 
     pub(super) fn around(&self, x: &[f64], axes: &[(f64, f64)], visit: &mut impl FnMut(usize)) {
-        self.walk(axes, |hull| inside(hull, x), &mut |item| {
+        self.walk(0, axes, &|hull| inside(hull, x), &mut |item| {
             visit(item);
             false
         });
     }
 
-    /// Visits the boxes that `touches` says yes to, until `visit` returns true; whether it did.
+    /// Visits the boxes under a node that `touches` says yes to, until `visit` returns true; whether it did.
     fn walk(
         &self,
+        node: usize,
         axes: &[(f64, f64)],
-        touches: impl Fn(&[(f64, f64)]) -> bool,
+        touches: &impl Fn(&[(f64, f64)]) -> bool,
         visit: &mut impl FnMut(usize) -> bool,
     ) -> bool {
         let of = |all: &[(f64, f64)], number: usize| {
             touches(&all[number * self.dimension..(number + 1) * self.dimension])
         };
-        let mut open = vec![0];
-        while let Some(node) = open.pop() {
-            if !of(&self.hulls, node) {
-                continue;
-            }
-            match &self.nodes[node] {
-                Node::Fork(second) => open.extend([*second, node + 1]),
-                Node::Leaf(items) => {
-                    if self.items[items.clone()].iter().any(|item| of(axes, *item) && visit(*item)) {
-                        return true;
-                    }
-                }
-            }
+        if !of(&self.hulls, node) {
+            return false;
         }
-        false
+        match &self.nodes[node] {
+            Node::Fork(second) => {
+                self.walk(node + 1, axes, touches, visit) || self.walk(*second, axes, touches, visit)
+            }
+            Node::Leaf(items) => self.items[items.clone()].iter().any(|item| of(axes, *item) && visit(*item)),
+        }
     }
 }
 
