@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -76,6 +77,12 @@ pub struct ExtractArgs {
     /// Cost minimised for each uncertain cluster [default: by preset]
     #[arg(long, value_enum, value_name = "FORM", help_heading = "Method")]
     pub cost: Option<Cost>,
+    /// How phi is searched for each uncertain cluster [default: by preset]
+    #[arg(long, value_enum, value_name = "METHOD", help_heading = "Method")]
+    pub search: Option<SearchMethod>,
+    /// Most clusterings of the certified search per uncertain cluster, or 'all' for a proof [default: 2000]
+    #[arg(long, value_name = "N", value_parser = Most::parse, conflicts_with_all = ["no_optimise"], help_heading = "Method")]
+    pub evaluations: Option<Most>,
     /// Leave clusters as first found
     #[arg(long, conflicts_with = "cost", help_heading = "Method")]
     pub no_optimise: bool,
@@ -234,6 +241,44 @@ pub enum Cost {
     Sum,
     /// Each cluster by its share of the cells
     Share,
+}
+
+/// A search for the threshold of least cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SearchMethod {
+    /// Until no lower cost is possible, or --evaluations are spent
+    Certified,
+    /// The controlled random search of the paper: 20 samples, 60 rounds
+    Random,
+}
+
+/// At most a number, or no limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Most {
+    /// At most this many.
+    Number(NonZeroUsize),
+    /// As many as it takes.
+    All,
+}
+
+impl Most {
+    fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "all" => Ok(Self::All),
+            _ => {
+                text.parse().map(Self::Number).map_err(|_| "not a whole number from 1, nor 'all'".to_owned())
+            }
+        }
+    }
+}
+
+impl From<Most> for Option<usize> {
+    fn from(most: Most) -> Self {
+        match most {
+            Most::Number(number) => Some(number.get()),
+            Most::All => None,
+        }
+    }
 }
 
 /// Noise models.

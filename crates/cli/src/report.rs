@@ -1,8 +1,8 @@
 //! A plane map as `planes.json` and as a table.
 
 use serde_json::{Map, Value, json};
-use terrace::{Assignment, CostForm, ExtractedPlane, FitTo, PlaneMap, Weighting};
-use terrace_io::planes_json::{PhiInterval, PlaneRecord, PlanesFile, Summary, Timings};
+use terrace::{Assignment, CostForm, ExtractedPlane, FitTo, PlaneMap, Search, Weighting};
+use terrace_io::planes_json::{OptimisedSummary, PhiInterval, PlaneRecord, PlanesFile, Summary, Timings};
 
 /// Everything `planes.json` holds. `extra` are parameters of the run that the map does not know.
 pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) -> PlanesFile {
@@ -17,6 +17,7 @@ pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) 
             labelled: summary.labelled as u64,
             planes: summary.planes as u64,
             normal_uncertainty_mean: summary.normal_uncertainty_mean,
+            optimised: map.used.params.optimise.map(|_| optimised(map)),
         }),
         timings_seconds: Some(timings),
     }
@@ -42,9 +43,7 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
             "cost": match o.form { CostForm::Sum => "sum", CostForm::Share => "share" },
             "weight_uncertainty": o.weight_uncertainty,
             "weight_clusters": o.weight_clusters,
-            "population": o.population,
-            "subset": o.subset,
-            "rounds": o.rounds,
+            "search": search(o.search),
         })
     });
     let chosen = used.chosen.map_or(Value::Null, |c| json!({ "spacing": c.spacing, "sigma": c.sigma }));
@@ -109,4 +108,25 @@ pub fn table(map: &PlaneMap, rows: usize) -> String {
         text += &format!("  ... and {} more in planes.json\n", map.planes.len() - rows);
     }
     text
+}
+
+fn optimised(map: &PlaneMap) -> OptimisedSummary {
+    let searches = || map.optimised.iter().map(|o| &o.minimum);
+    let certified: f64 = searches().filter_map(|m| m.certified).sum();
+    let clusters = searches().count();
+    OptimisedSummary {
+        clusters: clusters as u64,
+        proven: searches().filter(|m| m.is_proven()).count() as u64,
+        certified_mean: (clusters > 0).then(|| certified / clusters as f64),
+        evaluations: searches().map(|m| m.evaluations as u64).sum(),
+    }
+}
+
+fn search(search: Search) -> Value {
+    match search {
+        Search::Certified { evaluations } => json!({ "method": "certified", "evaluations": evaluations }),
+        Search::ControlledRandom { population, subset, rounds } => {
+            json!({ "method": "controlled random", "population": population, "subset": subset, "rounds": rounds })
+        }
+    }
 }

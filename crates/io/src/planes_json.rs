@@ -113,6 +113,23 @@ pub struct Summary {
     /// Mean of `normal_uncertainty` over the planes, per axis; left out when there is no plane or it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_uncertainty_mean: Option<[f64; 3]>,
+    /// What the search for thresholds did; left out when there was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub optimised: Option<OptimisedSummary>,
+}
+
+/// Totals over the clusters whose threshold was searched.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OptimisedSummary {
+    /// Number of these clusters.
+    pub clusters: u64,
+    /// Those for which it is proven that no threshold costs less.
+    pub proven: u64,
+    /// Mean share of the thresholds for which it is proven, 0 to 1; left out without clusters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certified_mean: Option<f64>,
+    /// Clusterings that were made.
+    pub evaluations: u64,
 }
 
 /// Seconds of wall-clock time that each stage took.

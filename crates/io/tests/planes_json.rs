@@ -49,7 +49,7 @@ proptest! {
     ) {
         let mut file = PlanesFile {
             planes,
-            summary: Some(Summary { points: 5, labelled: 4, planes: 1, normal_uncertainty_mean: mean }),
+            summary: Some(Summary { points: 5, labelled: 4, planes: 1, normal_uncertainty_mean: mean, optimised: None }),
             timings_seconds: Some(Timings { total, ..Timings::default() }),
             ..PlanesFile::default()
         };
@@ -135,7 +135,13 @@ fn nan_and_infinity_are_refused_by_name() {
         }),
         ("summary.normal_uncertainty_mean", |f| {
             let mean = Some([f64::NAN; 3]);
-            f.summary = Some(Summary { points: 0, labelled: 0, planes: 0, normal_uncertainty_mean: mean });
+            f.summary = Some(Summary {
+                points: 0,
+                labelled: 0,
+                planes: 0,
+                normal_uncertainty_mean: mean,
+                optimised: None,
+            });
         }),
         ("timings_seconds", |f| f.timings_seconds = Some(Timings { label: f64::NAN, ..Timings::default() })),
     ];

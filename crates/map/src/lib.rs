@@ -57,17 +57,17 @@ mod nodes;
 mod optimise;
 mod params;
 mod plane_map;
-mod staircase;
+mod uncertain;
 
 pub use cell_size::{CellSizeChoice, choose_cell_size};
-pub use cost::{CostForm, PhiCost, beta};
+pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
-pub use params::{Optimise, Params, Weighting};
+pub use params::{Optimise, Params, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
-pub use staircase::BetaStep;
+pub use uncertain::UncertainClusters;
 
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_crs::{Minimum, Source, StopReason, Trial};

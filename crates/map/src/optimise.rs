@@ -2,11 +2,11 @@
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmentation};
-use terrace_crs::{Bounds, ControlledRandomSearch, Minimum, Stopping};
+use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmentation, Staircase};
+use terrace_crs::{Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Minimum, Step, Stopping};
 
 use crate::first::Alone;
-use crate::{ExtractError, Optimise, Params, PhiCost};
+use crate::{Beta, ExtractError, Optimise, Params, PhiCost, Search};
 
 /// What the search for φ did for one uncertain cluster.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,38 +47,82 @@ impl Part {
     }
 }
 
+/// The order of founders in one cluster: at random, a different one for each.
+fn seeds(cluster: &Alone, params: &Params) -> SeedOrder {
+    match params.seed_order() {
+        SeedOrder::Random { seed } => SeedOrder::Random { seed: seed ^ cluster.number as u64 },
+        SeedOrder::MostCertain => SeedOrder::MostCertain,
+    }
+}
+
 /// β as a function of φ for one cluster.
 pub(crate) fn phi_cost<'a>(
     cluster: &'a Alone,
     params: &Params,
     optimise: &Optimise,
 ) -> Result<PhiCost<'a, impl Fn(usize) -> &'a [u32] + use<'a>>, ClusterError> {
-    let seeds = match params.seed_order() {
-        SeedOrder::Random { seed } => SeedOrder::Random { seed: seed ^ cluster.number as u64 },
-        certain @ SeedOrder::MostCertain => certain,
-    };
     let neighbours = |node| cluster.graph.neighbours(node);
-    let grower = Grower::new(&cluster.normals, neighbours, f64::INFINITY, seeds)?;
-    Ok(PhiCost::new(grower, optimise.form, optimise.weight_uncertainty, optimise.weight_clusters))
+    let staircase = Staircase::new(&cluster.normals, neighbours, f64::INFINITY, seeds(cluster, params))?;
+    let beta = Beta {
+        form: optimise.form,
+        weight_uncertainty: optimise.weight_uncertainty,
+        weight_clusters: optimise.weight_clusters,
+    };
+    Ok(PhiCost::new(staircase, beta))
 }
 
-/// Clusters the cells of one cluster again at the φ of least cost. The φ in use is in the first population, so that the
-/// cost is never above the one there.
-pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Result<Split, ExtractError> {
-    let mut cost = phi_cost(cluster, params, optimise)?;
-    let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
-    rng.set_stream(cluster.number as u64);
-    let search = ControlledRandomSearch {
-        population: Some(optimise.population),
-        subset: Some(optimise.subset),
-        start: vec![vec![params.phi]],
-        stopping: Stopping { rounds: Some(optimise.rounds), ..Stopping::default() },
-        ..ControlledRandomSearch::default()
-    };
+/// The φ of least cost. The φ in use is among the first that are asked for, so that the cost is never above the one
+/// there.
+pub(crate) fn search(
+    cost: &mut impl Cost,
+    how: Search,
+    cluster: &Alone,
+    params: &Params,
+) -> Result<Minimum, ExtractError> {
+    let start = vec![vec![params.phi]];
     // [0, 1] is an interval; the error is here for its type alone.
     let bounds = Bounds::interval(0.0, 1.0).map_err(|_| ClusterError::Phi { phi: params.phi })?;
-    let minimum = search.minimise(&mut cost, &bounds, &mut rng)?;
-    let mut grower = cost.into_grower();
+    let minimum = match how {
+        Search::Certified { evaluations } => {
+            let stopping = Stopping { evaluations, ..Stopping::default() };
+            let search = CertifiedSearch { start, stopping, ..CertifiedSearch::default() };
+            in_the_middle(search.minimise(cost, &bounds)?)
+        }
+        Search::ControlledRandom { population, subset, rounds } => {
+            let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
+            rng.set_stream(cluster.number as u64);
+            let search = ControlledRandomSearch {
+                population: Some(population),
+                subset: Some(subset),
+                start,
+                stopping: Stopping { rounds: Some(rounds), ..Stopping::default() },
+                ..ControlledRandomSearch::default()
+            };
+            search.minimise(cost, &bounds, &mut rng)?
+        }
+    };
+    Ok(minimum)
+}
+
+/// Moves φ to the middle of its step in [0, 1]. The search likes to ask at the ends of steps, where a φ written with
+/// fewer digits falls on the other side.
+fn in_the_middle(mut minimum: Minimum) -> Minimum {
+    if let (Step::Box { lo, hi }, [phi]) = (&minimum.step, &mut minimum.x[..])
+        && let (&[lo], &[hi]) = (&lo[..], &hi[..])
+    {
+        let middle = f64::midpoint(lo.max(0.0), hi.min(1.0));
+        if lo <= middle && middle < hi {
+            *phi = middle;
+        }
+    }
+    minimum
+}
+
+/// Clusters the cells of one cluster again at the φ of least cost.
+pub(crate) fn split(cluster: &Alone, params: &Params, optimise: &Optimise) -> Result<Split, ExtractError> {
+    let minimum = search(&mut phi_cost(cluster, params, optimise)?, optimise.search, cluster, params)?;
+    let neighbours = |node| cluster.graph.neighbours(node);
+    let mut grower = Grower::new(&cluster.normals, neighbours, f64::INFINITY, seeds(cluster, params))?;
     let run = grower.grow(minimum.x.first().copied().unwrap_or(params.phi))?;
     let parts =
         run.clusters().map(|part| Part::of(part, run, |local| cluster.nodes[local as usize])).collect();

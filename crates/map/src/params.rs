@@ -64,12 +64,41 @@ pub struct Optimise {
     pub weight_uncertainty: f64,
     /// Weight w_nc of the number of clusters.
     pub weight_clusters: f64,
-    /// Size n of the population of the controlled random search, from 2 to a million.
-    pub population: usize,
-    /// Size m of the subset a trial is drawn from, from 2 to the population.
-    pub subset: usize,
-    /// Rounds ζ.
-    pub rounds: usize,
+    /// How the φ of least cost is searched.
+    pub search: Search,
+}
+
+/// How the φ of least cost is searched. Both use that a clustering holds on a whole interval of φ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Search {
+    /// Where a lower cost is likely first, then from end to end, until it is certain that there is none
+    /// ([`CertifiedSearch`](terrace_crs::CertifiedSearch)).
+    Certified {
+        /// At most this many clusterings for each uncertain cluster; `None`: as many as it takes.
+        evaluations: Option<usize>,
+    },
+    /// The controlled random search of Fig. 2
+    /// ([`ControlledRandomSearch`](terrace_crs::ControlledRandomSearch)).
+    ControlledRandom {
+        /// Size n of the population, from 2 to a million.
+        population: usize,
+        /// Size m of the subset a trial is drawn from, from 2 to the population.
+        subset: usize,
+        /// Rounds ζ.
+        rounds: usize,
+    },
+}
+
+impl Search {
+    /// The search of the paper: 20 samples, subsets of 2, 60 rounds.
+    pub const PAPER: Self = Self::ControlledRandom { population: 20, subset: 2, rounds: 60 };
+}
+
+impl Default for Search {
+    /// Certified, with at most 2000 clusterings.
+    fn default() -> Self {
+        Self::Certified { evaluations: Some(2000) }
+    }
 }
 
 impl Default for Optimise {
@@ -79,9 +108,7 @@ impl Default for Optimise {
             form: CostForm::Share,
             weight_uncertainty: 1.0,
             weight_clusters: 0.01,
-            population: 20,
-            subset: 2,
-            rounds: 60,
+            search: Search::default(),
         }
     }
 }
@@ -114,6 +141,7 @@ impl Params {
             assignment: Assignment::ExpectedDistance,
             fit: FitTo::Centres,
             random_seeds: true,
+            optimise: Some(Optimise { search: Search::PAPER, ..Optimise::default() }),
             ..Self::default()
         }
     }
@@ -158,16 +186,17 @@ impl Optimise {
         if let Some((name, value)) = weights.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0)) {
             return Err(ParamsError::new(name, value, "finite and at least 0"));
         }
-        if !(2..=MAX_POPULATION).contains(&self.population) {
-            return Err(ParamsError::new(
-                "optimise.population",
-                self.population as f64,
-                "from 2 to a million",
-            ));
+        match self.search {
+            Search::Certified { evaluations: Some(0) } => {
+                Err(ParamsError::new("optimise.evaluations", 0.0, "at least 1"))
+            }
+            Search::ControlledRandom { population, .. } if !(2..=MAX_POPULATION).contains(&population) => {
+                Err(ParamsError::new("optimise.population", population as f64, "from 2 to a million"))
+            }
+            Search::ControlledRandom { population, subset, .. } if !(2..=population).contains(&subset) => {
+                Err(ParamsError::new("optimise.subset", subset as f64, "from 2 to the population"))
+            }
+            _ => Ok(()),
         }
-        if !(2..=self.population).contains(&self.subset) {
-            return Err(ParamsError::new("optimise.subset", self.subset as f64, "from 2 to the population"));
-        }
-        Ok(())
     }
 }

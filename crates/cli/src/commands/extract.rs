@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use terrace::{CostForm, Inserted, Mapper, Optimise, Params, PlaneId, PlaneMap, Scan, Sigma, Stage};
+use terrace::{CostForm, Inserted, Mapper, Optimise, Params, PlaneId, PlaneMap, Scan, Search, Sigma, Stage};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
 use terrace_io::{
@@ -13,7 +13,7 @@ use terrace_io::{
     find_sources, read_scan, write_labelled_ply, write_labels_npy,
 };
 
-use crate::args::{Cost, ExtractArgs, Preset, ReadArgs, Sensor};
+use crate::args::{Cost, ExtractArgs, Preset, ReadArgs, SearchMethod, Sensor};
 use crate::error::CliError;
 use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
@@ -111,6 +111,16 @@ fn params(args: &ExtractArgs) -> Params {
             Cost::Share => CostForm::Share,
         };
         params.optimise = Some(Optimise { form, ..params.optimise.unwrap_or_default() });
+    }
+    if let Some(optimise) = &mut params.optimise {
+        match args.search {
+            Some(SearchMethod::Certified) => optimise.search = Search::default(),
+            Some(SearchMethod::Random) => optimise.search = Search::PAPER,
+            None => {}
+        }
+        if let (Search::Certified { evaluations }, Some(most)) = (&mut optimise.search, args.evaluations) {
+            *evaluations = most.into();
+        }
     }
     params
 }

@@ -61,6 +61,7 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
         labelled,
         planes: planes.len() as u64,
         normal_uncertainty_mean: None,
+        optimised: None,
     });
     file.write(&args.out.join("planes.json"))?;
     progress.finish();

@@ -13,7 +13,7 @@ fn no_points() {
     for preset in PRESETS {
         let mut mapper = Mapper::new(tenth(preset)).unwrap();
         assert_eq!(mapper.extract(), Err(ExtractError::Empty));
-        assert_eq!(mapper.staircase(0, 10), Err(ExtractError::Empty));
+        assert_eq!(mapper.uncertain_clusters().err(), Some(ExtractError::Empty));
         let inserted = mapper.insert(&unknown(&[])).unwrap();
         assert_eq!((inserted.points, inserted.absent, inserted.out_of_range), (0, 0, 0));
         assert!(mapper.is_empty());

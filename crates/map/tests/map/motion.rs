@@ -31,7 +31,8 @@ fn whole_numbers_of_cells_move_the_planes_and_change_no_label() {
             assert!(moved.labels == still.labels, "{offset:?}");
             assert_eq!(moved.cell_counts, still.cell_counts);
             for (a, b) in still.planes.iter().zip(&moved.planes) {
-                assert_eq!((a.points, a.cells, a.phi), (b.points, b.cells, b.phi));
+                assert_eq!((a.points, a.cells), (b.points, b.cells));
+                assert!((a.phi - b.phi).abs() < 1e-7, "the ends of a step are distances of normals");
                 assert!(angle(a.plane.normal(), b.plane.normal()) < 1e-7);
                 for i in 0..3 {
                     assert!((a.centroid[i] + offset[i] - b.centroid[i]).abs() < 1e-8);

@@ -1,7 +1,10 @@
 //! The search for φ against the staircase it searches, and β against the formula.
 
-use terrace::{BetaStep, CostForm, ExtractedPlane, Mapper, Optimised, Params, PlaneMap, SeedOrder, beta};
-use terrace_cluster::segment;
+use terrace::{
+    Beta, BetaStep, CostForm, ExtractError, ExtractedPlane, Mapper, Optimised, Params, PlaneMap, Search,
+    SeedOrder,
+};
+use terrace_cluster::{Staircase, segment};
 use terrace_stats::UncertainVector;
 use terrace_synth::Scene;
 
@@ -34,6 +37,10 @@ fn all_tables(check: impl Fn(&Mapper, &PlaneMap, usize, &Optimised)) {
     }
 }
 
+fn staircase(mapper: &Mapper, number: usize) -> Vec<BetaStep> {
+    mapper.uncertain_clusters().unwrap().staircase(number, usize::MAX).unwrap()
+}
+
 fn step_of(steps: &[BetaStep], phi: f64) -> &BetaStep {
     let mut holding = steps.iter().filter(|s| s.interval.contains(phi));
     let step = holding.next().unwrap();
@@ -44,7 +51,7 @@ fn step_of(steps: &[BetaStep], phi: f64) -> &BetaStep {
 #[test]
 fn steps_tile_the_interval_without_gap() {
     all_tables(|mapper, _, number, _| {
-        let steps = mapper.staircase(number, usize::MAX).unwrap();
+        let steps = staircase(mapper, number);
         assert!(steps.len() > 3);
         assert_eq!(steps[0].interval.lo, 0.0);
         for pair in steps.windows(2) {
@@ -59,15 +66,24 @@ fn steps_tile_the_interval_without_gap() {
 #[test]
 fn the_search_stands_on_the_staircase_and_not_above_its_start_nor_below_its_floor() {
     all_tables(|mapper, map, number, record| {
-        let steps = mapper.staircase(number, usize::MAX).unwrap();
+        let steps = staircase(mapper, number);
         let phi = record.minimum.x[0];
         assert_eq!(step_of(&steps, phi).beta, record.minimum.value);
         let start = step_of(&steps, map.used.params.phi).beta;
         assert!(record.minimum.value <= start, "{} from {start}", record.minimum.value);
         let lowest = steps.iter().map(|s| s.beta).fold(f64::INFINITY, f64::min);
         assert!(lowest <= record.minimum.value);
+        // Complete, within its 2000 clusterings: the least there is.
+        let certified = matches!(map.used.params.optimise.unwrap().search, Search::Certified { .. });
+        assert_eq!(record.minimum.is_proven(), certified);
+        assert!(!certified || lowest == record.minimum.value, "{lowest} {}", record.minimum.value);
         for trial in &record.minimum.trace {
-            assert_eq!(step_of(&steps, trial.x[0]).beta, trial.value);
+            let beta = step_of(&steps, trial.x[0]).beta;
+            if trial.source.is_bound() {
+                assert!(trial.value <= beta, "{} above {beta}", trial.value);
+            } else {
+                assert_eq!(trial.value, beta);
+            }
         }
     });
 }
@@ -159,13 +175,17 @@ fn only_clusters_above_the_threshold_are_optimised() {
 #[test]
 fn staircases_that_are_not_there_are_empty() {
     let (mapper, map) = table(Params::default, CostForm::Share, 0);
-    assert!(mapper.staircase(map.optimised.len(), 10).unwrap().is_empty());
-    assert!(mapper.staircase(0, 0).unwrap().is_empty());
-    assert_eq!(mapper.staircase(0, 3).unwrap()[..], mapper.staircase(0, 10).unwrap()[..3]);
-    let none = Params { optimise: None, ..*mapper.params() };
-    let mut plain = Mapper::new(none).unwrap();
-    plain.insert(&scans(&Scene::table(), 5_000, 0)[0].scan).unwrap();
-    assert!(plain.staircase(0, 10).unwrap().is_empty());
+    let clusters = mapper.uncertain_clusters().unwrap();
+    assert_eq!(clusters.len(), map.optimised.len());
+    let beyond = clusters.len();
+    assert_eq!((clusters.cells(0), clusters.cells(beyond)), (Some(map.optimised[0].cells), None));
+    assert!(clusters.staircase(beyond, 10).unwrap().is_empty());
+    assert_eq!(clusters.search(beyond, Search::default()).unwrap(), None);
+    assert!(clusters.staircase(0, 0).unwrap().is_empty());
+    assert_eq!(clusters.staircase(0, 3).unwrap()[..], clusters.staircase(0, 10).unwrap()[..3]);
+    assert_eq!(clusters.search(0, Search::default()).unwrap().as_ref(), Some(&map.optimised[0].minimum));
+    let plain = Mapper::new(Params { optimise: None, ..*mapper.params() }).unwrap();
+    assert_eq!(plain.uncertain_clusters().err(), Some(ExtractError::Empty));
 }
 
 /// Nodes 0, 1 and 2 look up, 3 looks sideways; all in a row.
@@ -191,10 +211,17 @@ fn both_forms_of_beta_are_the_formula() {
     let second = 0.6;
     let sum = 2.0 * (first + second) + 0.25 * 2.0;
     let share = 2.0 * (0.75 * first + 0.25 * second) + 0.25 * 2.0;
-    assert!((beta(&run, CostForm::Sum, 2.0, 0.25) - sum).abs() < 1e-8);
-    assert!((beta(&run, CostForm::Share, 2.0, 0.25) - share).abs() < 1e-8);
-    assert_eq!(beta(&run, CostForm::Share, 0.0, 0.25), 0.5);
+    let neighbours = |node: usize| edges[node];
+    let stair = Staircase::new(&normals, neighbours, 1.0, SeedOrder::MostCertain).unwrap().at(0.3).unwrap();
+    let beta =
+        |form, weight_uncertainty| Beta { form, weight_uncertainty, weight_clusters: 0.25 }.of(&stair, 4);
+    assert!((beta(CostForm::Sum, 2.0) - sum).abs() < 1e-8);
+    assert!((beta(CostForm::Share, 2.0) - share).abs() < 1e-8);
+    assert_eq!(beta(CostForm::Share, 0.0), 0.5);
 
-    let nobody = segment(&[None, None], |_| &[], &params).unwrap();
-    assert_eq!(FORMS.map(|form| beta(&nobody, form, 1.0, 1.0)), [0.0, 0.0]);
+    let none = [None, None];
+    let nobody = Staircase::new(&none, |_| &[], 1.0, SeedOrder::MostCertain).unwrap().at(0.3).unwrap();
+    for form in FORMS {
+        assert_eq!(Beta { form, weight_uncertainty: 1.0, weight_clusters: 1.0 }.of(&nobody, 0), 0.0);
+    }
 }

@@ -1,6 +1,6 @@
 //! Every parameter that cannot be used is refused by its name.
 
-use terrace::{Mapper, Params};
+use terrace::{Mapper, Params, Search};
 
 use crate::common::with_optimise;
 
@@ -61,12 +61,24 @@ fn weights_of_the_cost() {
 #[test]
 fn populations_and_subsets_that_make_no_search() {
     for population in [0, 1, MAX_POPULATION + 1, usize::MAX] {
-        let params = with_optimise(default(), |o| o.population = population);
-        refused("optimise.population", population as f64, params);
+        refused("optimise.population", population as f64, random(population, 2, 60));
     }
     for subset in [0, 1, 21] {
-        refused("optimise.subset", subset as f64, with_optimise(default(), |o| o.subset = subset));
+        refused("optimise.subset", subset as f64, random(20, subset, 60));
     }
+}
+
+#[test]
+fn a_search_without_a_clustering() {
+    refused("optimise.evaluations", 0.0, with_search(Search::Certified { evaluations: Some(0) }));
+}
+
+fn random(population: usize, subset: usize, rounds: usize) -> Params {
+    with_search(Search::ControlledRandom { population, subset, rounds })
+}
+
+fn with_search(search: Search) -> Params {
+    with_optimise(default(), |o| o.search = search)
 }
 
 #[test]
@@ -77,8 +89,10 @@ fn the_ends_of_every_range_are_allowed() {
         Params { cell_size: Some(1e100), tau: Some(u64::MAX), omega: 1e-300, phi: 1.0, ..default() },
         Params { depth: 1, min_cells: 0, ..default() },
         with_optimise(default(), |o| (o.above, o.weight_uncertainty, o.weight_clusters) = (0.0, 0.0, 0.0)),
-        with_optimise(default(), |o| (o.population, o.subset, o.rounds) = (2, 2, 0)),
-        with_optimise(default(), |o| (o.population, o.subset) = (MAX_POPULATION, MAX_POPULATION)),
+        random(2, 2, 0),
+        random(MAX_POPULATION, MAX_POPULATION, 60),
+        with_search(Search::Certified { evaluations: Some(1) }),
+        with_search(Search::Certified { evaluations: None }),
     ];
     for params in ends {
         assert_eq!(params.validate(), Ok(()));

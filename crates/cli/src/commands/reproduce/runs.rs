@@ -21,7 +21,7 @@ pub fn run<E>(params: Params, insert: impl FnOnce(&mut Mapper) -> Result<(), E>)
 where
     CliError: From<E>,
 {
-    let optimise = |form| Some(Optimise { form, ..Optimise::default() });
+    let optimise = |form| Some(Optimise { form, ..params.optimise.unwrap_or_default() });
     let mut mapper = Mapper::new(params)?;
     insert(&mut mapper)?;
     let mut extract = |optimise| {

@@ -1,6 +1,6 @@
 //! Section VI-A: three planes in a table-like structure.
 
-use terrace::{Optimise, Params, PlaneId, PlaneMap, Scan};
+use terrace::{Params, PlaneId, PlaneMap, Scan};
 use terrace_draw::{Bounds, CloudPicture, Image, Sample, Staircase, Step, View, label_colour};
 use terrace_io::write_atomically;
 use terrace_synth::{LabelledScan, Params as SynthParams, Scene};
@@ -42,7 +42,6 @@ fn params(seed: u64) -> Params {
         // 'More than 5 cells'.
         min_cells: 6,
         seed,
-        optimise: Some(Optimise::default()),
         ..Params::paper()
     }
 }
@@ -118,7 +117,7 @@ fn figures(args: &ReproduceArgs, scan: &Scan, runs: &Runs) -> Result<(), CliErro
     write_png(&args.out.join("fig1.png"), &Image::beside(&before, &after)?.png()?)?;
 
     let Some(optimised) = runs.share.optimised.first() else { return Ok(()) };
-    let steps = runs.mapper.staircase(0, MOST_STEPS)?;
+    let steps = runs.mapper.uncertain_clusters()?.staircase(0, MOST_STEPS)?;
     // Near 0 every cell is a cluster of its own and the cost many times higher: the interesting part would be flat.
     let top = 2.0 * steps.last().map_or(f64::INFINITY, |s| s.beta);
     let chart = Staircase {
