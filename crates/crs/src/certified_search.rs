@@ -141,7 +141,7 @@ impl CertifiedSearch {
         }
     }
 
-    fn batch(&self) -> NonZeroUsize {
+    fn group(&self) -> NonZeroUsize {
         self.batch.unwrap_or(NonZeroUsize::MIN)
     }
 

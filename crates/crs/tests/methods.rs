@@ -296,12 +296,12 @@ impl Cost for Answering<'_> {
 /// A valley of this width in a plain of height 0.8, on 1024 steps that jump by about 2 %.
 fn valley(seed: u64) -> (impl Cost, f64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (middle, width) = (rng.random_range(0.0..1.0), rng.random_range(0.05..0.3));
+    let (middle, width): (f64, f64) = (rng.random_range(0.0..1.0), rng.random_range(0.05..0.3));
     let mut value = |i: i32| {
         let x = (f64::from(i) + 0.5) / 1024.0;
         let jitter =
             rng.random_range(-0.02..0.02) + if i % 17 == 0 { rng.random_range(0.0..0.3) } else { 0.0 };
-        0.8 - 0.5 * (1.0 - ((x - middle) / width as f64).abs()).max(0.0) + jitter
+        0.8 - 0.5 * (1.0 - ((x - middle) / width).abs()).max(0.0) + jitter
     };
     let values: Vec<f64> = (0..1024).map(&mut value).collect();
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);

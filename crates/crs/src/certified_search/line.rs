@@ -119,7 +119,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
 
     /// The gaps to ask in next, and the place in each.
     fn group(&mut self) -> Vec<(usize, f64)> {
-        let count = self.ledger.room(self.search.batch());
+        let count = self.ledger.room(self.search.group());
         let mut group = Vec::with_capacity(count.min(self.stretches.len()));
         while group.len() < count {
             let Some((gap, at)) = self.next() else { break };

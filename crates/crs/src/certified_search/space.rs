@@ -82,7 +82,7 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
                 return self.finish(rounds, StopReason::NoSteps);
             }
             let mut group = Vec::new();
-            let count = self.ledger.room(self.search.batch());
+            let count = self.ledger.room(self.search.group());
             while group.len() < count
                 && let Some(piece) = self.next()
             {
