@@ -41,7 +41,7 @@ impl Row {
                 |error: &dyn Display| format!("{} on {}, seed {seed}: {error}", method.name(), problem.name);
             let mut recorder =
                 problem.recorder(seed, cap * problem.dimension).map_err(|error| named(&error))?;
-            method.run(&mut recorder, seed).map_err(|error| named(&error))?;
+            method.run(&mut recorder, draws(problem).wrapping_add(seed)).map_err(|error| named(&error))?;
             if recorder.asked_outside() {
                 return Err(named(&"evaluated outside the bounds"));
             }
@@ -71,6 +71,13 @@ impl Row {
         let needed = (percent * self.success.len()).div_ceil(100).max(1);
         numbers.get(needed - 1).copied()
     }
+}
+
+/// Where the seeds of the methods begin, another place for each problem: the FNV-1a hash of its name and dimension. Costs
+/// are drawn from seeds 0, 1, …, and places must not be drawn as they are.
+fn draws(problem: &Problem) -> u64 {
+    let bytes = problem.name.bytes().chain(problem.dimension.to_le_bytes());
+    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
 }
 
 #[cfg(test)]

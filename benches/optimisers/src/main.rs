@@ -63,6 +63,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         problems.retain(|problem| problem.name.contains(text));
     }
 
+    if problems.is_empty() {
+        return Err("there is no such cost".into());
+    }
+
     let methods = methods::all();
     let mut rows = Vec::new();
     for problem in &problems {

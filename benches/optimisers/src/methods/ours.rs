@@ -5,8 +5,8 @@ use std::error::Error;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use terrace_crs::{
-    Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum, SearchError,
-    Steps, Stopping, Sweep,
+    Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum, PatternSearch,
+    SearchError, Steps, Stopping, Sweep,
 };
 
 use super::Method;
@@ -36,6 +36,9 @@ pub fn all() -> Vec<Box<dyn Method>> {
     let mutation: Search = |stopping, cost, bounds, steps, rng| {
         LocalMutation { stopping, ..Default::default() }.minimise_with(cost, bounds, steps, rng)
     };
+    let pattern: Search = |stopping, cost, bounds, steps, rng| {
+        PatternSearch { stopping, ..Default::default() }.minimise_with(cost, bounds, steps, rng)
+    };
     let sweep: Search = |stopping, cost, bounds, steps, _| {
         Sweep { stopping, ..Default::default() }.minimise_with(cost, bounds, steps)
     };
@@ -50,6 +53,7 @@ pub fn all() -> Vec<Box<dyn Method>> {
         ours("Fig. 2", true, any, figure_2),
         ours("LocalMutation, no steps", false, any, mutation),
         ours("LocalMutation", true, any, mutation),
+        ours("PatternSearch", true, any, pattern),
         ours("Sweep", true, |dimension| dimension == 1, sweep),
         ours("CertifiedSearch", true, any, certified),
     ]
