@@ -66,3 +66,31 @@ impl Centre {
         terms[0] + terms[1] + terms[2]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn vector() -> impl Strategy<Value = UncertainVector> {
+        let value = prop::array::uniform3(-1.0..1.0f64);
+        (value, prop::array::uniform3(0.0..1.0f64))
+            .prop_map(|(value, error)| UncertainVector { value, error })
+    }
+
+    proptest! {
+        #[test]
+        fn the_centre_has_the_bits_of_the_moments(
+            members in prop::collection::vec(vector(), 1..20),
+            v in vector(),
+        ) {
+            let mut cluster = Moments::default();
+            for member in &members {
+                cluster.push(member);
+                let squared = Centre::of(&cluster).expected_squared_distance(&v);
+                prop_assert_eq!(Some(squared.to_bits()), cluster.expected_squared_distance(&v).map(f64::to_bits));
+            }
+        }
+    }
+}

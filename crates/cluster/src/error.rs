@@ -33,7 +33,7 @@ pub enum ClusterError {
         /// Length of its normal.
         length: f64,
     },
-    /// A node has a neighbour that does not have it.
+    /// Both nodes take part, and only one of them has the other for a neighbour.
     #[error("node {to} is a neighbour of node {from}, but not the other way round")]
     OneWay {
         /// The node that has the neighbour.

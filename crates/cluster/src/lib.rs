@@ -32,10 +32,12 @@
 //! `[lo, hi)` decides the same way at every turn, so that its result is known without a run ([`Interval`]). The cost of
 //! a segmentation as a function of φ is therefore a staircase, and one run gives the width of the step it stands on.
 //!
+//! [`Staircase`] goes from step to step: it repairs the clusters that change, which are mostly few, and gives up early
+//! where a search has seen something better.
+//!
 //! # Errors and limits
 //! Thresholds and normals that are not finite, and normals that are not of unit length, are refused ([`ClusterError`]); a
-//! neighbour lookup that names a node
-//! beyond the slice has that neighbour ignored. Nothing panics. At most 2³² − 1 nodes.
+//! neighbour lookup that names a node beyond the slice has that neighbour ignored. Nothing panics. At most 2³² − 1 nodes.
 
 mod candidates;
 mod distance;

@@ -69,3 +69,41 @@ impl Marks {
         Some(position)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn decide_all(marks: &mut Marks, distances: &[f64], start: usize, phi: f64) {
+        for (tests, distance) in (0..).zip(distances).skip(start) {
+            marks.decide(*distance, phi, || Position { tests, ..Position::default() });
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn back_to_the_first_decision_that_differs(
+            // Few different ones, so that thresholds often equal them.
+            distances in prop::collection::vec((0..12u8).prop_map(f64::from), 0..30),
+            phis in prop::collection::vec((0..24u8).prop_map(|half| 0.5 * f64::from(half)), 1..10),
+        ) {
+            let mut marks = Marks::default();
+            let mut last = phis[0];
+            decide_all(&mut marks, &distances, 0, last);
+            for phi in phis {
+                let other = distances.iter().position(|distance| (*distance <= phi) != (*distance <= last));
+                let back = marks.back_to_the_first_other(phi).map(|position| usize::try_from(position.tests).unwrap());
+                prop_assert_eq!(back, other);
+                decide_all(&mut marks, &distances, other.unwrap_or(distances.len()), phi);
+                let mut interval = Interval::ALL;
+                for distance in &distances {
+                    interval.decide(*distance, phi);
+                }
+                prop_assert_eq!(marks.interval(), interval);
+                last = phi;
+            }
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 use terrace_stats::UncertainVector;
 
@@ -9,7 +10,7 @@ use crate::Interval;
 use crate::growth::{Position, Rules, grow};
 use crate::marks::Marks;
 
-/// The owner of a node that belongs to no cluster at the moment.
+/// The owner of a node that was of the cluster which is grown again.
 const FREE: u32 = u32::MAX;
 /// The owner of a node that takes no part: no cluster goes before it, so that it is free for none.
 const NOBODY: u32 = 0;
@@ -21,7 +22,7 @@ pub(crate) struct Clusters {
     candidates: Vec<u32>,
     /// The place of each node in `candidates`.
     rank: Vec<u32>,
-    /// The rank of the cluster each node belongs to.
+    /// The rank of the cluster each node belongs to; its own when it was lost, to found one if no earlier cluster takes it.
     owner: Vec<u32>,
     by_rank: Vec<Option<Grown>>,
     /// Clusters that are no more, for their memory.
@@ -51,15 +52,13 @@ pub(crate) enum Repaired {
 
 impl Clusters {
     pub(crate) fn new(nodes: usize, candidates: Vec<u32>) -> Self {
-        let mut rank = vec![FREE; nodes];
-        let mut owner = vec![NOBODY; nodes];
+        let mut rank = vec![NOBODY; nodes];
         for (place, node) in (0..).zip(&candidates) {
             rank[*node as usize] = place;
-            owner[*node as usize] = FREE;
         }
         Self {
+            owner: rank.clone(),
             rank,
-            owner,
             by_rank: vec![None; candidates.len()],
             spare: Vec::new(),
             queue: (0..).take(candidates.len()).map(Reverse).collect(),
@@ -124,8 +123,6 @@ impl Clusters {
         if cluster.nodes.is_empty() {
             cluster.nodes.push(founder);
         }
-        // Also for a cluster from before: an earlier one may have taken the founder and lost it again meanwhile.
-        self.owner[founder as usize] = rank;
 
         let Grown { nodes, marks } = &mut cluster;
         let mut rules = Repair { phi, rank, marks, owner: &mut self.owner, gained: &mut gained };
@@ -134,10 +131,9 @@ impl Clusters {
         self.by_rank[place] = Some(cluster);
 
         for (node, owner) in gained.drain(..) {
-            // A free node was of this cluster before, or was lost by an earlier one, which has told all around it.
             if owner != FREE {
                 self.look_again(owner);
-                self.tell_around(node, rank, neighbours);
+                self.tell_around(node, rank..owner, neighbours);
             }
         }
         for node in before.drain(..) {
@@ -152,7 +148,6 @@ impl Clusters {
     fn dissolve<'g>(&mut self, mut cluster: Grown, rank: u32, neighbours: &impl Fn(usize) -> &'g [u32]) {
         for node in cluster.nodes.drain(..) {
             if self.owner[node as usize] == rank {
-                self.owner[node as usize] = FREE;
                 self.lost(node, rank, neighbours);
             }
         }
@@ -160,17 +155,20 @@ impl Clusters {
         self.spare.push(cluster);
     }
 
-    /// A node left the cluster of this rank and belongs to none: it may found one, or join a later one.
+    /// A node left the cluster of this rank: it may found one, or join a later one.
     fn lost<'g>(&mut self, node: u32, rank: u32, neighbours: &impl Fn(usize) -> &'g [u32]) {
-        self.look_again(self.rank[node as usize]);
-        self.tell_around(node, rank, neighbours);
+        let own = self.rank[node as usize];
+        self.owner[node as usize] = own;
+        self.look_again(own);
+        self.tell_around(node, rank..own, neighbours);
     }
 
-    /// Later clusters that touch a node which changed sides are grown again.
-    fn tell_around<'g>(&mut self, node: u32, rank: u32, neighbours: &impl Fn(usize) -> &'g [u32]) {
+    /// Clusters that touch a node are grown again where it is free for them now and was not before, or the other way
+    /// round: those between its owner and the one before.
+    fn tell_around<'g>(&mut self, node: u32, owners: Range<u32>, neighbours: &impl Fn(usize) -> &'g [u32]) {
         for near in neighbours(node as usize) {
             let Some(owner) = self.owner.get(*near as usize).copied() else { continue };
-            if owner > rank && owner != FREE {
+            if owners.start < owner && owner < owners.end {
                 self.look_again(owner);
             }
         }

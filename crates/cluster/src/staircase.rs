@@ -83,8 +83,8 @@ pub enum Outcome {
 }
 
 impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Staircase<'n, N> {
-    /// Prepares the clustering of nodes with these normals, as [`Grower::new`](crate::Grower::new). Neighbours must be
-    /// neighbours both ways.
+    /// Prepares the clustering of nodes with these normals, as [`Grower::new`](crate::Grower::new). Nodes that
+    /// take part must be neighbours both ways.
     ///
     /// # Errors
     /// As [`Grower::new`](crate::Grower::new), and [`ClusterError::OneWay`].
@@ -95,9 +95,14 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Staircase<'n, N> {
         seeds: SeedOrder,
     ) -> Result<Self, ClusterError> {
         let candidates = candidates(normals, omega, seeds)?;
+        let mut takes_part = vec![false; normals.len()];
+        for node in &candidates {
+            takes_part[*node as usize] = true;
+        }
         for from in &candidates {
-            let one_way =
-                |to: &&u32| (**to as usize) < normals.len() && !neighbours(**to as usize).contains(from);
+            let one_way = |to: &&u32| {
+                takes_part.get(**to as usize) == Some(&true) && !neighbours(**to as usize).contains(from)
+            };
             if let Some(to) = neighbours(*from as usize).iter().find(one_way) {
                 return Err(ClusterError::OneWay { from: *from as usize, to: *to as usize });
             }
@@ -197,7 +202,9 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Staircase<'n, N> {
     /// What the clustering adds up to at least, when this many nodes are alone: so at all thresholds below that of the
     /// last of them.
     fn with_alone(&self, alone: usize) -> Stair {
-        let hi = alone.checked_sub(1).and_then(|last| self.alone.get(last)).copied();
+        let last = alone.checked_sub(1).and_then(|last| self.alone.get(last)).copied();
+        // As everywhere, no end where no finite distance is refused.
+        let hi = last.filter(|own| own.is_finite());
         Stair {
             clusters: alone + usize::from(alone < self.candidates()),
             uncertainty: 0.0,
@@ -229,4 +236,27 @@ fn term(end: &Position, interval: Interval) -> Term {
     let own: f64 = uncertainty_of(&end.moments).iter().sum();
     let (members, errors) = (end.nodes, end.errors);
     Term { clusters: 1, members, uncertainty: own, weighted: own * members as f64, errors, interval }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fewest_are_the_first_that_are_not_kept() {
+        let stair = |clusters| Stair {
+            clusters,
+            uncertainty: 0.0,
+            weighted_uncertainty: 0.0,
+            interval: Interval::ALL,
+        };
+        for all in 0..20 {
+            for ceiling in 0..25 {
+                // Each number twice, so that there is a first.
+                let found = fewest(all, |known| stair(known + known % 2), |stair| stair.clusters <= ceiling);
+                let first = (1..=all).map(|known| known + known % 2).find(|clusters| *clusters > ceiling);
+                assert_eq!(found.map(|stair| stair.clusters), first, "{all} {ceiling}");
+            }
+        }
+    }
 }

@@ -105,3 +105,51 @@ impl Sums {
         Some(at - self.leaves)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn term() -> impl Strategy<Value = Term> {
+        // Whole numbers, so that the order of summation does not matter.
+        (0..9u8, 0.0..1.0f64, prop::option::of(0.0..1.0f64)).prop_map(|(of, lo, width)| {
+            let (number, interval) = (f64::from(of), Interval { lo, hi: width.map(|width| lo + width) });
+            Term {
+                clusters: 1,
+                members: of.into(),
+                uncertainty: number,
+                weighted: number,
+                errors: 1.0,
+                interval,
+            }
+        })
+    }
+
+    fn sum(terms: &[Term]) -> Term {
+        terms.iter().fold(Term::NOTHING, |sum, term| sum.and(term))
+    }
+
+    proptest! {
+        #[test]
+        fn as_term_by_term(
+            places in 0..70usize,
+            changes in prop::collection::vec((any::<prop::sample::Index>(), term()), 1..60),
+            phi in 0.0..2.0f64,
+        ) {
+            let (mut sums, mut terms) = (Sums::new(places), vec![Term::NOTHING; places]);
+            for (place, term) in changes.iter().filter(|_| places > 0) {
+                terms[place.index(places)] = *term;
+                sums.set(place.index(places), *term);
+            }
+            prop_assert_eq!(sums.total(), sum(&terms));
+            for at in 0..=places {
+                prop_assert_eq!(sums.before(at), sum(&terms[..at]));
+                let other = (at..places).find(|place| !terms[*place].interval.contains(phi));
+                prop_assert_eq!(sums.first_other(at, phi), other);
+            }
+            prop_assert_eq!(sums.first_other(2 * places + 2, phi), None);
+        }
+    }
+}
