@@ -12,8 +12,9 @@ use proptest::prelude::*;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use terrace_crs::{
-    Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, LocalMutation, Minimum, PatternSearch,
-    SearchError, Step, Steps, StopReason, Stopping, Sweep, from_stairs, in_parallel,
+    Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum,
+    PatternSearch, SearchError, Step, Steps, StopReason, Stopping, Sweep, from_line, from_stairs,
+    in_parallel,
 };
 
 const METHODS: [&str; 5] = ["controlled", "mutation", "pattern", "sweep", "certified"];
@@ -285,11 +286,71 @@ proptest! {
 }
 
 /// A cost that may be asked again: places of a group do not know of each other.
-struct Answering<'a>(&'a mut dyn FnMut(&[f64]) -> terrace_crs::Evaluation);
+struct Answering<'a>(&'a mut dyn FnMut(&[f64]) -> Evaluation);
 
 impl Cost for Answering<'_> {
-    fn evaluate(&mut self, x: &[f64]) -> terrace_crs::Evaluation {
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
         (self.0)(x)
+    }
+}
+
+#[test]
+fn steps_of_the_start_places_count_before_anything_else_is_asked() {
+    struct Halves;
+    impl Cost for Halves {
+        fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+            let inf = f64::INFINITY;
+            let (value, lo, hi) = if x[0] < 0.25 { (1.0, -inf, 0.25) } else { (2.0, 0.25, inf) };
+            Evaluation { value, step: Step::Box { lo: vec![lo, -inf], hi: vec![hi, inf] } }
+        }
+    }
+    let bounds = Bounds::new([(0.0, 1.0); 2]).unwrap();
+    for (start, expected) in [(vec![[0.1, 0.5]], 0.25), (vec![[0.5, 0.5], [0.1, 0.5]], 1.0)] {
+        let search = CertifiedSearch {
+            start: start.into_iter().map(Vec::from).collect(),
+            stopping: Stopping { rounds: Some(0), ..Stopping::default() },
+            ..CertifiedSearch::default()
+        };
+        let minimum = search.minimise(&mut Halves, &bounds).unwrap();
+        assert_eq!((minimum.value, minimum.certified, minimum.rounds), (1.0, Some(expected), 0));
+    }
+}
+
+#[test]
+fn a_local_mutation_replays_its_rules() {
+    for seed in 0..20 {
+        let bounds = Bounds::interval(0.0, 1.0).unwrap();
+        let search = LocalMutation {
+            population: Some(8),
+            stopping: Stopping { rounds: Some(30), ..Stopping::default() },
+            ..LocalMutation::default()
+        };
+        let mut cost = from_line(|x| (7.0 * x).sin() + (40.0 * x).cos() / 3.0);
+        let minimum = search.minimise(&mut cost, &bounds, &mut ChaCha8Rng::seed_from_u64(seed)).unwrap();
+        let (first, later) = minimum.trace.split_at(8);
+        let mut population: Vec<(f64, f64)> = first.iter().map(|trial| (trial.x[0], trial.value)).collect();
+        for round in later.chunk_by(|a, b| a.round == b.round) {
+            let best = population.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            let worst = (0..8).max_by(|a, b| population[*a].1.total_cmp(&population[*b].1)).unwrap();
+            let largest = population[worst].1;
+            let reflected = round[0].x[0];
+            assert!(
+                population.iter().any(|member| *member != best && best.0 + (best.0 - member.0) == reflected)
+            );
+            // A reflection that is not lower is mutated, beyond the best as seen from it.
+            assert_eq!(round.len(), if round[0].value < largest { 1 } else { 2 });
+            if let [_, mutated] = round {
+                let farthest = (2.0 * best.0 - reflected).clamp(0.0, 1.0);
+                let (lo, hi) = (best.0.min(farthest), best.0.max(farthest));
+                assert!(lo <= mutated.x[0] && mutated.x[0] <= hi);
+            }
+            let last = &round[round.len() - 1];
+            assert_eq!(last.accepted, last.value < largest);
+            if last.accepted {
+                population[worst] = (last.x[0], last.value);
+            }
+        }
+        assert!(later.iter().any(|trial| trial.accepted));
     }
 }
 

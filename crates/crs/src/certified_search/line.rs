@@ -105,7 +105,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             if self.search.stopping.rounds.is_some_and(|most| rounds >= most) {
                 return self.ledger.finish(rounds, StopReason::Rounds);
             }
-            if self.points > self.search.points(1) {
+            if self.points >= self.search.points(1) {
                 return self.ledger.finish(rounds, StopReason::NoSteps);
             }
             let group = self.group();

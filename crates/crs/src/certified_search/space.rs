@@ -78,7 +78,7 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
             if self.search.stopping.rounds.is_some_and(|most| rounds >= most) {
                 return self.finish(rounds, StopReason::Rounds);
             }
-            if self.points > self.search.points(self.ledger.bounds().dimension()) {
+            if self.points >= self.search.points(self.ledger.bounds().dimension()) {
                 return self.finish(rounds, StopReason::NoSteps);
             }
             let mut group = Vec::new();
