@@ -6,18 +6,18 @@
 //! `cargo bench -p terrace-benches --bench extract`
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
-use terrace::{Frame, Mapper, Params, Scan, Sigma, Stage};
-use terrace_benches::Usage;
+use terrace::{Mapper, Params, Scan, Stage};
+use terrace_benches::{Usage, scenes};
 use terrace_synth::Scene;
 
 const RUNS: usize = 3;
+const ROOM: &str = "scenes/room300k/points.npy";
 const INPUTS: [&str; 3] = ["room300k", "synth:300000", "synth:3000000"];
 const STAGES: [&str; 6] = ["load", "grid", "normals", "cluster", "optimise", "label"];
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -48,7 +48,7 @@ fn table() -> Outcome<()> {
     );
     println!("|{}", "---|".repeat(STAGES.len() + 8));
     for input in INPUTS {
-        if input == "room300k" && !room().is_file() {
+        if input == "room300k" && scenes::path(ROOM).is_none() {
             println!();
             println!("{input} is left out: no such file in the data folder, set TERRACE_DATA");
             continue;
@@ -129,13 +129,5 @@ fn load(input: &str) -> Outcome<Vec<Scan>> {
         // A view at a time, so that labels, which are not needed here, do not raise the peak.
         return Ok(scene.chunks(&params, usize::MAX)?.map(|chunk| chunk.scan.scan).collect());
     }
-    let cloud = terrace_io::npy::read(&std::fs::read(room())?)?;
-    Ok(vec![Scan::new(cloud.points, Sigma::Unknown, Frame::World { sensor: None })?])
-}
-
-/// `scenes/room300k/points.npy` of the data folder: `TERRACE_DATA`, or `shared/data` beside the repository.
-fn room() -> PathBuf {
-    let data = std::env::var_os("TERRACE_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    data.join("scenes/room300k/points.npy")
+    scenes::npy(ROOM)
 }

@@ -2,7 +2,7 @@
 
 use terrace_stats::Moments;
 
-use crate::Interval;
+use crate::{Interval, Stair};
 
 /// The result of one run of the clustering. Clusters are in the order in which they were founded.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,6 +104,22 @@ impl Segmentation {
     /// The thresholds for which this is the result.
     pub fn interval(&self) -> Interval {
         self.interval
+    }
+
+    /// What the clusters add up to.
+    pub fn stair(&self) -> Stair {
+        let mut sums = Stair {
+            clusters: self.len(),
+            uncertainty: 0.0,
+            weighted_uncertainty: 0.0,
+            interval: self.interval,
+        };
+        for cluster in self.clusters() {
+            let own: f64 = cluster.uncertainty().iter().sum();
+            sums.uncertainty += own;
+            sums.weighted_uncertainty += own * cluster.nodes().len() as f64;
+        }
+        sums
     }
 
     /// How many distances were compared with the threshold.

@@ -67,7 +67,7 @@ pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
 pub use params::{Optimise, Params, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
-pub use uncertain::UncertainClusters;
+pub use uncertain::{UncertainCluster, UncertainClusters};
 
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_crs::{Minimum, Source, StopReason, Trial};

@@ -6,7 +6,7 @@ use terrace_cluster::{Cluster, ClusterError, Grower, Interval, SeedOrder, Segmen
 use terrace_crs::{Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Minimum, Step, Stopping};
 
 use crate::first::Alone;
-use crate::{Beta, ExtractError, Optimise, Params, PhiCost, Search};
+use crate::{ExtractError, Optimise, Params, PhiCost, Search};
 
 /// What the search for φ did for one uncertain cluster.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ impl Part {
 }
 
 /// The order of founders in one cluster: at random, a different one for each.
-fn seeds(cluster: &Alone, params: &Params) -> SeedOrder {
+pub(crate) fn seeds(cluster: &Alone, params: &Params) -> SeedOrder {
     match params.seed_order() {
         SeedOrder::Random { seed } => SeedOrder::Random { seed: seed ^ cluster.number as u64 },
         SeedOrder::MostCertain => SeedOrder::MostCertain,
@@ -63,12 +63,7 @@ pub(crate) fn phi_cost<'a>(
 ) -> Result<PhiCost<'a, impl Fn(usize) -> &'a [u32] + use<'a>>, ClusterError> {
     let neighbours = |node| cluster.graph.neighbours(node);
     let staircase = Staircase::new(&cluster.normals, neighbours, f64::INFINITY, seeds(cluster, params))?;
-    let beta = Beta {
-        form: optimise.form,
-        weight_uncertainty: optimise.weight_uncertainty,
-        weight_clusters: optimise.weight_clusters,
-    };
-    Ok(PhiCost::new(staircase, beta))
+    Ok(PhiCost::new(staircase, optimise.beta()))
 }
 
 /// The φ of least cost. The φ in use is among the first that are asked for, so that the cost is never above the one

@@ -4,7 +4,7 @@ use terrace_cluster::SeedOrder;
 use terrace_grid::{Assignment, Connectivity, validate_cell_size};
 use terrace_normals::FitTo;
 
-use crate::{CostForm, ParamsError};
+use crate::{Beta, CostForm, ParamsError};
 
 /// The largest population of the search for φ: one that still fits memory for every cluster at once.
 const MAX_POPULATION: usize = 1_000_000;
@@ -177,6 +177,12 @@ impl Params {
 }
 
 impl Optimise {
+    /// The cost that is minimised.
+    pub fn beta(&self) -> Beta {
+        let Self { form, weight_uncertainty, weight_clusters, .. } = *self;
+        Beta { form, weight_uncertainty, weight_clusters }
+    }
+
     fn validate(&self) -> Result<(), ParamsError> {
         let weights = [
             ("optimise.above", self.above),

@@ -1,10 +1,12 @@
 //! The clusters whose orientation is uncertain, one by one: the cost of their φ, and searches of it.
 
+use terrace_cluster::SeedOrder;
 use terrace_crs::{Cost, Minimum};
+use terrace_stats::UncertainVector;
 
-use crate::first::First;
-use crate::optimise::{phi_cost, search};
-use crate::{BetaStep, ExtractError, Mapper, Optimise, Params, Search};
+use crate::first::{Alone, First};
+use crate::optimise::{phi_cost, search, seeds};
+use crate::{Beta, BetaStep, ExtractError, Mapper, Optimise, Params, Search};
 
 /// The uncertain clusters of a first clustering, in the order of
 /// [`PlaneMap::optimised`](crate::PlaneMap::optimised).
@@ -40,20 +42,65 @@ impl UncertainClusters<'_> {
         self.numbers.is_empty()
     }
 
-    /// The number of cells of a cluster; `None` for one that does not exist.
-    pub fn cells(&self, index: usize) -> Option<usize> {
-        Some(self.first.segmentation.cluster(*self.numbers.get(index)?)?.nodes().len())
+    /// A cluster on its own; `None` for one that does not exist.
+    pub fn get(&self, index: usize) -> Option<UncertainCluster<'_>> {
+        let alone = self.first.part(*self.numbers.get(index)?);
+        Some(UncertainCluster { alone, params: &self.params, optimise: &self.optimise })
     }
 
-    /// The cost β(φ), 0 ≤ φ ≤ 1, of a cluster, step by step from 0 on, at most `most` steps: exact, and as long as the
-    /// cluster has decisions. Empty for a cluster that does not exist.
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = UncertainCluster<'_>> {
+        (0..self.len()).filter_map(|index| self.get(index))
+    }
+}
+
+/// One uncertain cluster, to be clustered again.
+pub struct UncertainCluster<'m> {
+    alone: Alone,
+    params: &'m Params,
+    optimise: &'m Optimise,
+}
+
+impl UncertainCluster<'_> {
+    /// The number of its cells: the nodes that are clustered.
+    pub fn cells(&self) -> usize {
+        self.alone.nodes.len()
+    }
+
+    /// The normals of its cells, each with its uncertainty.
+    pub fn normals(&self) -> &[Option<UncertainVector>] {
+        &self.alone.normals
+    }
+
+    /// The cells directly connected to a cell.
+    pub fn neighbours(&self, cell: usize) -> &[u32] {
+        self.alone.graph.neighbours(cell)
+    }
+
+    /// The order in which cells found clusters.
+    pub fn seeds(&self) -> SeedOrder {
+        seeds(&self.alone, self.params)
+    }
+
+    /// The cost of a clustering.
+    pub fn beta(&self) -> Beta {
+        self.optimise.beta()
+    }
+
+    /// The cost β(φ) of its clusters, for any search of 0 ≤ φ ≤ 1.
     ///
     /// # Errors
-    /// [`ExtractError::Cluster`] when the cluster cannot be clustered again.
-    pub fn staircase(&self, index: usize, most: usize) -> Result<Vec<BetaStep>, ExtractError> {
-        let Some(number) = self.numbers.get(index) else { return Ok(Vec::new()) };
-        let cluster = self.first.part(*number);
-        let mut cost = phi_cost(&cluster, &self.params, &self.optimise)?;
+    /// [`ExtractError::Cluster`] when the cells cannot be clustered again.
+    pub fn cost(&self) -> Result<impl Cost, ExtractError> {
+        Ok(phi_cost(&self.alone, self.params, self.optimise)?)
+    }
+
+    /// β(φ), 0 ≤ φ ≤ 1, step by step from 0 on, at most `most` steps: exact, and as long as the cluster has decisions.
+    ///
+    /// # Errors
+    /// [`ExtractError::Cluster`] when the cells cannot be clustered again.
+    pub fn staircase(&self, most: usize) -> Result<Vec<BetaStep>, ExtractError> {
+        let mut cost = phi_cost(&self.alone, self.params, self.optimise)?;
         let mut steps = Vec::new();
         let mut phi = 0.0;
         while phi <= 1.0 && steps.len() < most {
@@ -65,29 +112,12 @@ impl UncertainClusters<'_> {
         Ok(steps)
     }
 
-    /// Searches the φ of least cost of a cluster; `None` for one that does not exist.
+    /// Searches the φ of least cost.
     ///
     /// # Errors
     /// [`ExtractError`] when the search cannot be made.
-    pub fn search(&self, index: usize, how: Search) -> Result<Option<Minimum>, ExtractError> {
-        let Some(number) = self.numbers.get(index) else { return Ok(None) };
-        let cluster = self.first.part(*number);
-        let mut cost = phi_cost(&cluster, &self.params, &self.optimise)?;
-        search(&mut cost, how, &cluster, &self.params).map(Some)
-    }
-
-    /// Calls `work` with the cost β(φ) of a cluster, for any other search of 0 ≤ φ ≤ 1; `None` for one that does not exist.
-    ///
-    /// # Errors
-    /// [`ExtractError::Cluster`] when the cluster cannot be clustered again.
-    pub fn with_cost<T>(
-        &self,
-        index: usize,
-        work: impl FnOnce(&mut dyn Cost) -> T,
-    ) -> Result<Option<T>, ExtractError> {
-        let Some(number) = self.numbers.get(index) else { return Ok(None) };
-        let cluster = self.first.part(*number);
-        let mut cost = phi_cost(&cluster, &self.params, &self.optimise)?;
-        Ok(Some(work(&mut cost)))
+    pub fn search(&self, how: Search) -> Result<Minimum, ExtractError> {
+        let mut cost = phi_cost(&self.alone, self.params, self.optimise)?;
+        search(&mut cost, how, &self.alone, self.params)
     }
 }

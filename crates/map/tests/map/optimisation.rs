@@ -4,7 +4,7 @@ use terrace::{
     Beta, BetaStep, CostForm, ExtractError, ExtractedPlane, Mapper, Optimised, Params, PlaneMap, Search,
     SeedOrder,
 };
-use terrace_cluster::{Staircase, segment};
+use terrace_cluster::{Grower, Staircase, segment};
 use terrace_stats::UncertainVector;
 use terrace_synth::Scene;
 
@@ -38,7 +38,7 @@ fn all_tables(check: impl Fn(&Mapper, &PlaneMap, usize, &Optimised)) {
 }
 
 fn staircase(mapper: &Mapper, number: usize) -> Vec<BetaStep> {
-    mapper.uncertain_clusters().unwrap().staircase(number, usize::MAX).unwrap()
+    mapper.uncertain_clusters().unwrap().get(number).unwrap().staircase(usize::MAX).unwrap()
 }
 
 fn step_of(steps: &[BetaStep], phi: f64) -> &BetaStep {
@@ -177,13 +177,12 @@ fn staircases_that_are_not_there_are_empty() {
     let (mapper, map) = table(Params::default, CostForm::Share, 0);
     let clusters = mapper.uncertain_clusters().unwrap();
     assert_eq!(clusters.len(), map.optimised.len());
-    let beyond = clusters.len();
-    assert_eq!((clusters.cells(0), clusters.cells(beyond)), (Some(map.optimised[0].cells), None));
-    assert!(clusters.staircase(beyond, 10).unwrap().is_empty());
-    assert_eq!(clusters.search(beyond, Search::default()).unwrap(), None);
-    assert!(clusters.staircase(0, 0).unwrap().is_empty());
-    assert_eq!(clusters.staircase(0, 3).unwrap()[..], clusters.staircase(0, 10).unwrap()[..3]);
-    assert_eq!(clusters.search(0, Search::default()).unwrap().as_ref(), Some(&map.optimised[0].minimum));
+    assert!(clusters.get(clusters.len()).is_none());
+    let cluster = clusters.get(0).unwrap();
+    assert_eq!(cluster.cells(), map.optimised[0].cells);
+    assert!(cluster.staircase(0).unwrap().is_empty());
+    assert_eq!(cluster.staircase(3).unwrap()[..], cluster.staircase(10).unwrap()[..3]);
+    assert_eq!(cluster.search(Search::default()).unwrap(), map.optimised[0].minimum);
     let plain = Mapper::new(Params { optimise: None, ..*mapper.params() }).unwrap();
     assert_eq!(plain.uncertain_clusters().err(), Some(ExtractError::Empty));
 }
@@ -223,5 +222,28 @@ fn both_forms_of_beta_are_the_formula() {
     let nobody = Staircase::new(&none, |_| &[], 1.0, SeedOrder::MostCertain).unwrap().at(0.3).unwrap();
     for form in FORMS {
         assert_eq!(Beta { form, weight_uncertainty: 1.0, weight_clusters: 1.0 }.of(&nobody, 0), 0.0);
+    }
+}
+
+/// The whole way from nothing: a clustering of its own for each φ, from end to end.
+#[test]
+fn the_repaired_staircase_is_that_of_clusterings_from_nothing() {
+    let relative = |a: f64, b: f64| (a / b - 1.0).abs();
+    for preset in PRESETS {
+        let (mapper, _) = table(preset, CostForm::Share, 5);
+        for cluster in mapper.uncertain_clusters().unwrap().iter() {
+            let neighbours = |cell| cluster.neighbours(cell);
+            let mut grower =
+                Grower::new(cluster.normals(), neighbours, f64::INFINITY, cluster.seeds()).unwrap();
+            let mut phi = Some(0.0);
+            let steps = cluster.staircase(usize::MAX).unwrap();
+            for step in &steps {
+                let run = grower.grow(phi.unwrap()).unwrap();
+                assert_eq!(step.interval, run.interval());
+                assert!(relative(step.beta, cluster.beta().of(&run.stair(), cluster.cells())) < 2e-9);
+                phi = step.interval.hi;
+            }
+            assert!(steps.len() > 100 && phi.is_none_or(|phi| phi > 1.0));
+        }
     }
 }

@@ -117,7 +117,9 @@ fn figures(args: &ReproduceArgs, scan: &Scan, runs: &Runs) -> Result<(), CliErro
     write_png(&args.out.join("fig1.png"), &Image::beside(&before, &after)?.png()?)?;
 
     let Some(optimised) = runs.share.optimised.first() else { return Ok(()) };
-    let steps = runs.mapper.uncertain_clusters()?.staircase(0, MOST_STEPS)?;
+    let clusters = runs.mapper.uncertain_clusters()?;
+    let Some(merged) = clusters.get(0) else { return Ok(()) };
+    let steps = merged.staircase(MOST_STEPS)?;
     // Near 0 every cell is a cluster of its own and the cost many times higher: the interesting part would be flat.
     let top = 2.0 * steps.last().map_or(f64::INFINITY, |s| s.beta);
     let chart = Staircase {

@@ -1,0 +1,44 @@
+//! Scans of the data folder: `TERRACE_DATA`, or `shared/data` beside the repository.
+
+use std::error::Error;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use terrace::{Frame, Scan, Sigma};
+use terrace_io::{ErrorSource, Intrinsics, NoiseModel, ReadOptions, find_sources, read_scan};
+
+/// Why a scan could not be read.
+pub type SceneError = Box<dyn Error + Send + Sync>;
+
+/// A file or folder of the data folder; `None` when there is no such one.
+pub fn path(name: &str) -> Option<PathBuf> {
+    let data = std::env::var_os("TERRACE_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
+    Some(data.join(name)).filter(|path| path.exists())
+}
+
+/// The points of an NPY file as a scan; none when there is no such file.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn npy(name: &str) -> Result<Vec<Scan>, SceneError> {
+    let Some(path) = path(name) else { return Ok(Vec::new()) };
+    let cloud = terrace_io::npy::read(&std::fs::read(path)?)?;
+    Ok(vec![Scan::new(cloud.points, Sigma::Unknown, Frame::World { sensor: None })?])
+}
+
+/// Frames of the posed sequence `sevenscenes`, with the errors of its sensor; none when it is not there.
+///
+/// # Errors
+/// When a frame cannot be read.
+pub fn sevenscenes(frames: Range<usize>) -> Result<Vec<Scan>, SceneError> {
+    let Some(folder) = path("sevenscenes") else { return Ok(Vec::new()) };
+    let options = ReadOptions {
+        intrinsics: Some(Intrinsics::open(&folder.join("camera-intrinsics.txt"))?),
+        errors: ErrorSource::Model(NoiseModel::Kinect),
+        ..ReadOptions::default()
+    };
+    let sources = find_sources(&[folder], None)?;
+    let wanted = sources.iter().skip(frames.start).take(frames.len());
+    wanted.map(|source| Ok(read_scan(source, &options)?)).collect()
+}
