@@ -36,6 +36,8 @@ pub struct Grower<'n, N> {
     /// Nodes that take part, in the order in which they may found a cluster.
     candidates: Vec<u32>,
     takes_part: Vec<bool>,
+    /// Which of them belong to no cluster yet.
+    free: Vec<bool>,
     result: Segmentation,
 }
 
@@ -69,7 +71,8 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
         for node in &candidates {
             takes_part[*node as usize] = true;
         }
-        Ok(Self { normals, neighbours, candidates, takes_part, result: Segmentation::empty() })
+        let free = takes_part.clone();
+        Ok(Self { normals, neighbours, candidates, takes_part, free, result: Segmentation::empty() })
     }
 
     /// How many nodes take part: those with a normal that is certain enough.
@@ -97,8 +100,8 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
         clusters.clear();
         cluster_of.clear();
         cluster_of.resize(self.normals.len(), None);
-        let mut run =
-            Run { phi, interval: Interval::ALL, takes_part: &self.takes_part, cluster_of, number: 0 };
+        self.free.clone_from(&self.takes_part);
+        let mut run = Run { phi, interval: Interval::ALL, free: &mut self.free, cluster_of, number: 0 };
         let mut tests = 0;
         for founder in &self.candidates {
             let (true, Some(normal)) = (run.is_free(*founder), &self.normals[*founder as usize]) else {
@@ -123,7 +126,7 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Grower<'n, N> {
 struct Run<'r> {
     phi: f64,
     interval: Interval,
-    takes_part: &'r [bool],
+    free: &'r mut [bool],
     cluster_of: &'r mut [Option<u32>],
     /// The number of the cluster that grows.
     number: u32,
@@ -132,7 +135,7 @@ struct Run<'r> {
 impl Rules for Run<'_> {
     #[inline]
     fn is_free(&self, node: u32) -> bool {
-        self.takes_part.get(node as usize) == Some(&true) && self.cluster_of[node as usize].is_none()
+        self.free.get(node as usize) == Some(&true)
     }
 
     #[inline]
@@ -142,6 +145,7 @@ impl Rules for Run<'_> {
 
     #[inline]
     fn joined(&mut self, node: u32) {
+        self.free[node as usize] = false;
         self.cluster_of[node as usize] = Some(self.number);
     }
 }

@@ -154,6 +154,9 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Staircase<'n, N> {
     /// a node is left. All sums rise with the number of known clusters.
     ///
     /// A node whose own `½ ‖ε‖²` is above φ joins no cluster, and none joins it: with many such nodes no cluster need be known.
+    /// The interval may then end inside a step: at the `½ ‖ε‖²` of a node.
+    ///
+    /// Sums are rounded, and so is what they are at least.
     ///
     /// # Errors
     /// As [`at`](Self::at).
