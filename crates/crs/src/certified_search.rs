@@ -35,6 +35,10 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 /// it, the distance its longest side as a share of the axis, and the place its centre. A box from which a single place
 /// was answered is halved there along that side.
 ///
+/// *Bounds.* The cost may give up where it is half the range of the values so far above the lowest, so that the bounds
+/// still tell high from low; during the walk through the rest, at the lowest value itself. The first five questions are
+/// answered in full. In the model a bound counts as the value.
+///
 /// *Honesty.* Each eighth question goes to the largest uncovered box whatever its score (in one axis the first five as
 /// well), so that narrow steps that no trend announces are met sooner or later, and the certified share grows.
 ///
@@ -110,6 +114,13 @@ const POINTS: usize = 1000;
 
 /// Of this many questions one goes to the largest uncovered box.
 const HONEST: usize = 8;
+
+/// So many questions come before any answer may be a bound: with less nothing can be estimated.
+const OPENING: usize = 5;
+
+/// A cost may give up where it is above the lowest value by this part of the range of all values so far. At the lowest
+/// value itself its bounds would all be the same, and tell nothing of where to look.
+const SLACK: f64 = 0.5;
 
 impl CertifiedSearch {
     /// The lowest cost found within the bounds, and the share of them on which it is proven to be the lowest.

@@ -45,8 +45,8 @@ pub trait Cost {
     /// The value at `x`, and the step around `x` on which it is known to hold.
     fn evaluate(&mut self, x: &[f64]) -> Evaluation;
 
-    /// As [`evaluate`](Self::evaluate), but may give up as soon as it knows that the value is not below `ceiling`, the
-    /// lowest value of the search so far.
+    /// As [`evaluate`](Self::evaluate), but may give up as soon as it knows that the value is not below `ceiling`, which
+    /// is at or above the lowest value of the search so far.
     ///
     /// A sum of parts that are never negative, for one, can stop adding when it reaches `ceiling`. Only the methods
     /// that look for a proof ask this way. The default never gives up.

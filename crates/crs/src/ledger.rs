@@ -126,16 +126,21 @@ impl<'a, C: Cost + ?Sized> Ledger<'a, C> {
         self.learn(x, &evaluation, round)
     }
 
-    /// As [`ask`](Self::ask), but a bound at or above the lowest value so far is answer enough.
-    pub(crate) fn ask_below(&mut self, x: &[f64], round: usize) -> Result<Heard, SearchError> {
-        let Some(ceiling) = self.best.as_ref().map(|best| best.value) else {
+    /// As [`ask`](Self::ask), but a bound at or above the lowest value so far is answer enough. The cost may give up
+    /// when it is `slack` above that; with an infinite one it must not.
+    pub(crate) fn ask_below(&mut self, x: &[f64], round: usize, slack: f64) -> Result<Heard, SearchError> {
+        let Some(lowest) = self.best.as_ref().map(|best| best.value) else {
             return self.ask(x, round).map(Heard::Value);
         };
+        let ceiling = lowest + slack;
+        if !ceiling.is_finite() {
+            return self.ask(x, round).map(Heard::Value);
+        }
         if let Some(value) = self.steps.find(x) {
             self.note(x, value, Source::Known, round);
             return Ok(Heard::Value(value));
         }
-        if let Some(bound) = self.steps.bound_at(x).filter(|bound| bound.value >= ceiling) {
+        if let Some(bound) = self.steps.bound_at(x).filter(|bound| bound.value >= lowest) {
             self.note(x, bound.value, Source::KnownBounded, round);
             return Ok(Heard::Bound(bound.value));
         }

@@ -86,7 +86,7 @@ impl Sweep {
             }
             rounds += 1;
             let heard = if self.stop_early {
-                ledger.ask_below(&[x], rounds)?
+                ledger.ask_below(&[x], rounds, 0.0)?
             } else {
                 Heard::Value(ledger.ask(&[x], rounds)?)
             };

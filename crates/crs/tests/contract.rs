@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use terrace_crs::{
     Answer, Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, CostError, Evaluation,
-    LocalMutation, PatternSearch, SearchError, Step, Steps, Sweep, from_line, from_stairs,
+    LocalMutation, PatternSearch, SearchError, Step, Steps, Stopping, Sweep, from_fn, from_line, from_stairs,
 };
 
 fn rng() -> ChaCha8Rng {
@@ -194,9 +194,44 @@ fn a_single_missing_place_is_not_certified() {
     // The step ends at the upper bound, which belongs to the bounds and is not on it.
     let mut steps = Steps::new(&ten());
     steps.insert(&[0.0], &Evaluation::interval(1.0, 0.0..10.0)).unwrap();
-    let stopping = terrace_crs::Stopping { rounds: Some(1), ..terrace_crs::Stopping::default() };
+    let stopping = Stopping { rounds: Some(1), ..Stopping::default() };
     let sweep = Sweep { stopping, ..Sweep::default() };
     let minimum = sweep.minimise_with(&mut from_line(|_| 2.0), &ten(), &mut steps).unwrap();
     assert_eq!(minimum.certified, Some(1.0_f64.next_down()));
     assert!(!minimum.is_proven());
+}
+
+#[test]
+fn a_missing_edge_is_not_certified_either() {
+    let bounds = Bounds::new([(0.0, 10.0); 2]).unwrap();
+    let mut steps = Steps::new(&bounds);
+    let step = Step::Box { lo: vec![0.0; 2], hi: vec![10.0, f64::INFINITY] };
+    steps.insert(&[0.0, 0.0], &Evaluation { value: 1.0, step }).unwrap();
+    let search = CertifiedSearch {
+        start: vec![vec![5.0, 5.0]],
+        stopping: Stopping { rounds: Some(0), ..Stopping::default() },
+        ..CertifiedSearch::default()
+    };
+    let minimum = search.minimise_with(&mut from_fn(|_| 2.0), &bounds, &mut steps).unwrap();
+    assert_eq!((minimum.evaluations, minimum.certified), (0, Some(1.0_f64.next_down())));
+}
+
+#[test]
+fn a_bound_that_is_too_low_to_prove_anything_spares_no_evaluation() {
+    let mut steps = Steps::new(&ten());
+    let everywhere = Evaluation::interval(-5.0, f64::NEG_INFINITY..f64::INFINITY);
+    steps.insert_bound(&[0.0], &everywhere).unwrap();
+    let mut cost = from_stairs(|x| (10.0 - x.floor(), x.floor()..x.floor() + 1.0));
+    for minimum in [
+        Sweep::default().minimise_with(&mut cost, &ten(), &mut steps.clone()).unwrap(),
+        CertifiedSearch::default().minimise_with(&mut cost, &ten(), &mut steps.clone()).unwrap(),
+    ] {
+        assert_eq!((minimum.value, minimum.evaluations, minimum.is_proven()), (0.0, 11, true));
+    }
+    // One that is high enough spares all but one.
+    let high = Evaluation::interval(3.0, f64::NEG_INFINITY..f64::INFINITY);
+    steps.insert_bound(&[0.0], &high).unwrap();
+    let mut flat = from_stairs(|x| (3.0, x.floor()..x.floor() + 1.0));
+    let minimum = Sweep::default().minimise_with(&mut flat, &ten(), &mut steps).unwrap();
+    assert_eq!((minimum.evaluations, minimum.is_proven()), (1, true));
 }

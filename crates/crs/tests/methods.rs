@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use terrace_crs::{
-    Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum,
+    Answer, Axis, Bounds, CertifiedSearch, ControlledRandomSearch, Cost, Evaluation, LocalMutation, Minimum,
     PatternSearch, SearchError, Step, Steps, StopReason, Stopping, Sweep, from_line, from_stairs,
     in_parallel,
 };
@@ -292,6 +292,38 @@ impl Cost for Answering<'_> {
     fn evaluate(&mut self, x: &[f64]) -> Evaluation {
         (self.0)(x)
     }
+}
+
+/// Tells of a value that is too high only that it is.
+struct Blunt<C>(C);
+
+impl<C: Cost> Cost for Blunt<C> {
+    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
+        self.0.evaluate(x)
+    }
+
+    fn evaluate_below(&mut self, x: &[f64], ceiling: f64) -> Answer {
+        let exact = self.0.evaluate(x);
+        if exact.value < ceiling {
+            Answer::Exact(exact)
+        } else {
+            Answer::AtLeast(Evaluation { value: ceiling, ..exact })
+        }
+    }
+}
+
+#[test]
+fn bounds_that_tell_no_more_than_they_must_do_not_lead_astray() {
+    let mut needed: Vec<usize> = (0..60)
+        .map(|seed| {
+            let (cost, lowest) = valley(seed);
+            let stopping = Stopping { target: Some(lowest + 0.015), ..Stopping::default() };
+            let search = CertifiedSearch { stopping, ..CertifiedSearch::default() };
+            search.minimise(&mut Blunt(cost), &Bounds::interval(0.0, 0.9995).unwrap()).unwrap().evaluations
+        })
+        .collect();
+    needed.sort_unstable();
+    assert!(needed[30] <= 28 && needed[54] <= 80, "{} and {} evaluations", needed[30], needed[54]);
 }
 
 #[test]

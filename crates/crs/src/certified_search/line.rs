@@ -4,13 +4,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::outlook::{Level, Outlook, Pair};
-use super::{CertifiedSearch, HONEST};
+use super::{CertifiedSearch, HONEST, OPENING, SLACK};
 use crate::ledger::Ledger;
 use crate::steps::Key;
 use crate::{Axis, Cost, Minimum, SearchError, Step, StopReason};
-
-/// So many questions come before any score: with less nothing can be estimated.
-const OPENING: usize = 5;
 
 /// No place nearer to the end of a gap than this part of it: that close, little is learnt of the rest.
 const EDGE: f64 = 0.1;
@@ -30,6 +27,7 @@ pub(super) struct Line<'a, C: ?Sized> {
     by_score: BinaryHeap<(Key, Reverse<usize>)>,
     by_width: BinaryHeap<(Key, Reverse<usize>)>,
     outlook: Outlook,
+    highest: f64,
     /// By how much a known step differs most from the trend.
     jump: f64,
     /// Known steps, and how many they were when the outlook was last estimated.
@@ -75,6 +73,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             by_score: BinaryHeap::new(),
             by_width: BinaryHeap::new(),
             outlook: Outlook::estimate(&mut []),
+            highest: f64::MIN,
             jump: 0.0,
             known: 0,
             seen: 0,
@@ -181,12 +180,18 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
     fn ask(&mut self, group: &[(usize, f64)], round: usize) -> Result<(), SearchError> {
         let lowest = self.ledger.lowest();
         let heard: Vec<f64> = if let [(_, x)] = group {
-            vec![self.ledger.ask_below(&[*x], round)?.number()]
+            let slack = match (lowest, self.walk) {
+                _ if self.questions <= OPENING => f64::INFINITY,
+                (Some(lowest), None) => SLACK * (self.highest - lowest),
+                _ => 0.0,
+            };
+            vec![self.ledger.ask_below(&[*x], round, slack)?.number()]
         } else {
             let places: Vec<Vec<f64>> = group.iter().map(|(_, x)| vec![*x]).collect();
             self.ledger.ask_many(&places, round)?
         };
         for ((gap, x), value) in group.iter().zip(heard) {
+            self.highest = self.highest.max(value);
             self.cut(*gap, *x, value);
         }
         if self.ledger.lowest() < lowest || lowest.is_none() {

@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use super::outlook::{Level, Outlook, Pair};
 use super::pieces::{centre, halves, share, subtract};
-use super::{CertifiedSearch, HONEST};
+use super::{CertifiedSearch, HONEST, OPENING, SLACK};
 use crate::ledger::Ledger;
 use crate::steps::Key;
 use crate::{Axis, Cost, Minimum, SearchError, Step, StopReason};
@@ -20,6 +20,7 @@ pub(super) struct Space<'a, C: ?Sized> {
     seen: Vec<Observation>,
     pairs: Vec<Pair>,
     outlook: Outlook,
+    highest: f64,
     /// Pairs when the outlook was last estimated.
     estimated: usize,
     questions: usize,
@@ -55,6 +56,7 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
             seen: Vec::new(),
             pairs: Vec::new(),
             outlook: Outlook::estimate(&mut []),
+            highest: f64::MIN,
             estimated: 0,
             questions: 0,
             points: 0,
@@ -131,10 +133,17 @@ impl<'a, C: Cost + ?Sized> Space<'a, C> {
         let axes = self.ledger.bounds().axes();
         let places: Vec<Vec<f64>> = group.iter().map(|piece| centre(axes, &piece.axes)).collect();
         let heard = match &places[..] {
-            [x] => vec![self.ledger.ask_below(x, round)?.number()],
+            [x] => {
+                let slack = match self.ledger.lowest() {
+                    Some(lowest) if self.questions > OPENING => SLACK * (self.highest - lowest),
+                    _ => f64::INFINITY,
+                };
+                vec![self.ledger.ask_below(x, round, slack)?.number()]
+            }
             many => self.ledger.ask_many(many, round)?,
         };
         for ((piece, x), value) in group.into_iter().zip(places).zip(heard) {
+            self.highest = self.highest.max(value);
             let steps = self.ledger.steps();
             let step =
                 steps.step_at(&x).or_else(|| steps.bound_at(&x)).map_or(Step::Point, |known| known.step);
