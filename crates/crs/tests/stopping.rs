@@ -200,3 +200,15 @@ fn what_is_known_costs_no_evaluation_and_is_enough_for_a_result() {
     let minimum = CertifiedSearch::default().minimise_with(&mut valley(), &bounds(), &mut steps).unwrap();
     assert_eq!((minimum.value, minimum.evaluations, minimum.stop), (2.0, 0, StopReason::Certified));
 }
+
+#[test]
+fn a_pattern_search_refines_no_mesh_that_changes_no_move() {
+    // Four steps; each move from one goes to its neighbours whatever the mesh, once that is no longer than a step.
+    let mut cost = from_stairs(|x| {
+        ((x / 250.0).floor(), (x / 250.0).floor() * 250.0..((x / 250.0).floor() + 1.0) * 250.0)
+    });
+    let search = PatternSearch { start: vec![vec![600.0]], starts: Some(1), ..PatternSearch::default() };
+    let minimum = search.minimise(&mut cost, &bounds(), &mut ChaCha8Rng::seed_from_u64(5)).unwrap();
+    assert_eq!((minimum.value, minimum.stop), (0.0, StopReason::Converged));
+    assert!(minimum.rounds <= 8, "{} rounds", minimum.rounds);
+}
