@@ -10,8 +10,8 @@ use crate::{Bounds, Cost, Minimum, SearchError, Step, Steps, StopReason, Stoppin
 /// exploit that by repairing its last result instead of starting anew.
 ///
 /// On an axis of whole numbers or listed values it goes on at the first value that the last step does not cover; a cost
-/// that tells no steps is enumerated. On a real axis such a cost cannot be swept ([`SearchError::NoStep`]), unless the
-/// axis has no width.
+/// that tells no steps is enumerated. On a real axis such a cost cannot be swept, unless the axis has no width: after a
+/// thousand answers in a row that are single places this is an error ([`SearchError::NoStep`]).
 ///
 /// *Ties*: of equal lowest values the one at the lowest place is returned.
 ///
@@ -45,6 +45,9 @@ pub struct Sweep {
     pub stopping: Stopping,
 }
 
+/// Single places in a row that are borne on a real axis: a step can be that narrow.
+const NARROW: usize = 1000;
+
 impl Default for Sweep {
     fn default() -> Self {
         Self { stop_early: true, stopping: Stopping::default() }
@@ -77,6 +80,8 @@ impl Sweep {
         let mut ledger = Ledger::open(cost, bounds, steps, &self.stopping)?.marking_lowest();
         let mut rounds = 0;
         let mut next = Some(axis.lo());
+        // Where a row of answers without a step began, and how many they are: a step may be a single number wide.
+        let (mut row_from, mut row) = (axis.lo(), 0);
         while let Some(x) = next {
             if let Some(stop) = ledger.halt() {
                 return ledger.finish(rounds, stop);
@@ -95,9 +100,20 @@ impl Sweep {
                 Heard::Bound(_) => ledger.steps().bound_at(&[x]),
             };
             next = match known.map(|known| known.step) {
-                Some(Step::Box { hi, .. }) => hi.first().and_then(|hi| axis.at_or_above(*hi)),
-                Some(Step::Point) | None if axis.count().is_none() => return Err(SearchError::NoStep { x }),
-                Some(Step::Point) | None => axis.at_or_above(x.next_up()),
+                Some(Step::Box { hi, .. }) => {
+                    row = 0;
+                    hi.first().and_then(|hi| axis.at_or_above(*hi))
+                }
+                Some(Step::Point) | None => {
+                    if row == 0 {
+                        row_from = x;
+                    }
+                    row += 1;
+                    if row > NARROW && axis.count().is_none() {
+                        return Err(SearchError::NoStep { x: row_from });
+                    }
+                    axis.at_or_above(x.next_up())
+                }
             };
         }
         ledger.finish(rounds, StopReason::Certified)

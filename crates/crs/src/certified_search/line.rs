@@ -12,9 +12,9 @@ use crate::{Axis, Cost, Minimum, SearchError, Step, StopReason};
 /// No place nearer to the end of a gap than this part of it: that close, little is learnt of the rest.
 const EDGE: f64 = 0.1;
 
-/// Standard deviations of the trend, and largest jumps seen, that do not suffice where there is little hope.
-const DEVIATIONS: f64 = 4.0;
-const JUMPS: f64 = 2.0;
+/// So many questions in vain, and as many again as led to the lowest value, end the search for a lower one: the rest is
+/// walked through.
+const PATIENCE: usize = 100;
 
 /// The axis in ascending order: gaps, and what is known between them.
 pub(super) struct Line<'a, C: ?Sized> {
@@ -28,15 +28,24 @@ pub(super) struct Line<'a, C: ?Sized> {
     by_width: BinaryHeap<(Key, Reverse<usize>)>,
     outlook: Outlook,
     highest: f64,
-    /// By how much a known step differs most from the trend.
-    jump: f64,
     /// Known steps, and how many they were when the outlook was last estimated.
     known: usize,
     seen: usize,
     questions: usize,
     points: usize,
-    /// Where the walk through the rest stands, when there is little hope.
-    walk: Option<usize>,
+    /// The lowest value so far, the stretch where it was found, and by which question.
+    lowest: f64,
+    lowest_at: usize,
+    improved: usize,
+    walk: Walk,
+}
+
+/// The way through the rest, in ascending order from the lowest value to the upper bound, and then from the lower one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Walk {
+    NotYet,
+    /// The stretch it stands at, and whether it has begun at the lower bound.
+    At(usize, bool),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -74,12 +83,14 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             by_width: BinaryHeap::new(),
             outlook: Outlook::estimate(&mut []),
             highest: f64::MIN,
-            jump: 0.0,
             known: 0,
             seen: 0,
             questions: 0,
             points: 0,
-            walk: None,
+            lowest: f64::INFINITY,
+            lowest_at: 0,
+            improved: 0,
+            walk: Walk::NotYet,
         };
         line.push(0);
         line
@@ -130,12 +141,18 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
     }
 
     fn next(&mut self) -> Option<(usize, f64)> {
+        if self.walk == Walk::NotYet && self.questions - self.improved > self.improved + PATIENCE {
+            self.walk = Walk::At(self.lowest_at, false);
+        }
+        self.questions += 1;
+        if let Some(gap) = self.next_on_walk() {
+            return Some((gap, 0.0));
+        }
         // A third more is known than when the outlook was estimated: each step is seen a constant number of times.
         if 3 * (self.known - self.seen) > self.seen {
             self.refresh();
         }
-        self.questions += 1;
-        if self.walk.is_none() && (self.questions <= OPENING || self.questions.is_multiple_of(HONEST)) {
+        if self.questions <= OPENING || self.questions.is_multiple_of(HONEST) {
             while let Some((_, Reverse(gap))) = self.by_width.pop() {
                 if matches!(self.stretches[gap].state, State::Gap) {
                     return Some((gap, 0.5));
@@ -144,9 +161,6 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             return None;
         }
         loop {
-            if let Some(gap) = self.next_on_walk() {
-                return Some((gap, 0.0));
-            }
             let (_, Reverse(gap)) = self.by_score.pop()?;
             if !matches!(self.stretches[gap].state, State::Gap) {
                 continue;
@@ -156,23 +170,22 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             let entry = (Key::new(score), Reverse(gap));
             if self.by_score.peek().is_some_and(|next| *next > entry) {
                 self.by_score.push(entry);
-            } else if self.is_hopeless(gap, at) {
-                self.by_score.push(entry);
-                self.walk = Some(self.first);
             } else {
                 return Some((gap, at));
             }
         }
     }
 
-    /// The next gap in ascending order. The walk ends at the upper bound; gaps that were made behind it, by other places
-    /// of a group, make it begin again.
     fn next_on_walk(&mut self) -> Option<usize> {
-        while let Some(here) = self.walk {
+        while let Walk::At(here, again) = self.walk {
             if matches!(self.stretches[here].state, State::Gap) {
                 return Some(here);
             }
-            self.walk = self.stretches[here].after;
+            self.walk = match self.stretches[here].after {
+                Some(after) => Walk::At(after, again),
+                None if again => return None,
+                None => Walk::At(self.first, true),
+            };
         }
         None
     }
@@ -182,7 +195,7 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
         let heard: Vec<f64> = if let [(_, x)] = group {
             let slack = match (lowest, self.walk) {
                 _ if self.questions <= OPENING => f64::INFINITY,
-                (Some(lowest), None) => SLACK * (self.highest - lowest),
+                (Some(lowest), Walk::NotYet) => SLACK * (self.highest - lowest),
                 _ => 0.0,
             };
             vec![self.ledger.ask_below(&[*x], round, slack)?.number()]
@@ -193,9 +206,6 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
         for ((gap, x), value) in group.iter().zip(heard) {
             self.highest = self.highest.max(value);
             self.cut(*gap, *x, value);
-        }
-        if self.ledger.lowest() < lowest || lowest.is_none() {
-            self.walk = None;
         }
         Ok(())
     }
@@ -220,6 +230,10 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             None => Level { mean: value, variance: self.outlook.jitter },
         };
         self.known += 1;
+        // A bound is never below the lowest value.
+        if value < self.lowest {
+            (self.lowest, self.lowest_at, self.improved) = (value, gap, self.questions);
+        }
         let state = State::Known { value, level };
         self.stretches[gap] = Stretch { lo, hi, before, after, state };
         // Links first, scores last: a score looks at both neighbours.
@@ -298,17 +312,6 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
         }
     }
 
-    /// Whether even a step that jumps as far as any seen would not lie lower there.
-    fn is_hopeless(&self, gap: usize, at: f64) -> bool {
-        let Stretch { lo, hi, before, after, .. } = self.stretches[gap];
-        let (Some(lowest), Some(level)) =
-            (self.ledger.lowest(), self.level_in(before, after, self.axis.share(lo, hi), at))
-        else {
-            return false;
-        };
-        level.mean - DEVIATIONS * level.variance.sqrt() - JUMPS * self.jump > lowest
-    }
-
     /// Estimates the scale and the trend anew, and with it all scores.
     fn refresh(&mut self) {
         self.seen = self.known;
@@ -334,16 +337,12 @@ impl<'a, C: Cost + ?Sized> Line<'a, C> {
             .map(|pair| Pair { distance: pair[1].0, difference: pair[1].1 - pair[0].1 })
             .collect();
         self.outlook = Outlook::estimate(&mut pairs);
-        self.jump = 0.0;
-        for (((here, _), level), (_, value)) in places.iter().zip(self.outlook.smooth(&known)).zip(&known) {
-            self.jump = self.jump.max((value - level.mean).abs());
+        for ((here, _), level) in places.iter().zip(self.outlook.smooth(&known)) {
             if let State::Known { level: old, .. } = &mut self.stretches[*here].state {
                 *old = level;
             }
         }
         self.by_score = gaps.iter().map(|gap| (Key::new(self.score(*gap).0), Reverse(*gap))).collect();
-        // The walk was entered for want of hope, which may look different now.
-        self.walk = None;
     }
 
     /// The gap that holds `x`, if it is not known.
