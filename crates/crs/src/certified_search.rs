@@ -42,7 +42,7 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 /// *Honesty.* Each eighth question goes to the largest uncovered box whatever its score (in one axis the first five as
 /// well), so that narrow steps that no trend announces are met sooner or later, and the certified share grows.
 ///
-/// *The rest.* In one axis, after 100 questions in vain and as many again as had led to the lowest value, the rest is walked
+/// *The rest.* In one axis, after 50 questions in vain and as many again as had led to the lowest value, the rest is walked
 /// in ascending order, from the lowest value to the upper bound and then from the lower one, for a cost may be cheaper to
 /// evaluate beside its last place.
 ///

@@ -14,7 +14,7 @@ const EDGE: f64 = 0.1;
 
 /// So many questions in vain, and as many again as led to the lowest value, end the search for a lower one: the rest is
 /// walked through.
-const PATIENCE: usize = 100;
+const PATIENCE: usize = 50;
 
 /// The axis in ascending order: gaps, and what is known between them.
 pub(super) struct Line<'a, C: ?Sized> {
