@@ -7,6 +7,7 @@
 #![allow(clippy::format_push_string)]
 
 mod comparison;
+mod families;
 mod methods;
 mod problem;
 mod recorded;
@@ -37,6 +38,9 @@ struct Arguments {
     /// Only the recorded staircases, no test functions
     #[arg(long, requires = "staircases")]
     recorded_only: bool,
+    /// Print recorded staircases of one scene together, not one by one
+    #[arg(long, requires = "recorded_only")]
+    pooled: bool,
     /// Only costs whose name contains this
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -77,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{}, {} axes: {:.1} s", problem.name, problem.dimension, start.elapsed().as_secs_f64());
     }
 
-    print!("{}", table::markdown(&rows));
+    print!("{}", if arguments.pooled { families::report(&rows) } else { table::markdown(&rows) });
     if let Some(file) = &arguments.json {
         let report = Report { seeds: arguments.seeds, evaluations_per_axis: arguments.cap, rows: &rows };
         fs::write(file, serde_json::to_string(&report)? + "\n")
