@@ -34,10 +34,10 @@
 //! use argmin::solver::neldermead::NelderMead;
 //! use terrace_crs::{Bounds, argmin::ToArgmin, from_stairs};
 //!
-//! let stairs = from_stairs(|x| ((x - 3.0).abs().floor(), if x < 3.0 { x.floor()..x.floor() + 1.0 } else { x..x.next_up() }));
+//! let stairs = from_stairs(|x| ((x.floor() - 3.0).abs(), x.floor()..x.floor() + 1.0));
 //! let bounds = Bounds::interval(0.0, 10.0)?;
 //! let problem = ToArgmin::new(stairs, &bounds);
-//! let solver = NelderMead::new(vec![vec![9.0], vec![4.5]]);
+//! let solver = NelderMead::new(vec![vec![9.0], vec![6.0]]);
 //! let result = Executor::new(problem, solver).configure(|state| state.max_iters(100)).run()?;
 //! assert_eq!(result.state.best_cost, 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

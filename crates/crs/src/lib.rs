@@ -32,6 +32,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! The [`guide`] goes from a rule to a proven threshold, step by step.
+//!
 //! # The words used here
 //!
 //! * **Cost**: what is to become small; asked for its value at a place. **Place**: one number for each **axis**. Axes are
@@ -115,6 +117,8 @@
 // Values and coordinates are compared as given: steps begin and end at exact numbers.
 #![allow(clippy::float_cmp)]
 
+#[cfg(feature = "argmin")]
+pub mod argmin;
 mod axis;
 mod bounds;
 mod certified_search;
@@ -122,6 +126,8 @@ mod controlled_random_search;
 mod cost;
 mod draw;
 mod error;
+#[doc = include_str!("guide.md")]
+pub mod guide {}
 mod ledger;
 mod local_mutation;
 mod minimum;
