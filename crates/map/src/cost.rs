@@ -56,7 +56,7 @@ impl Beta {
 }
 
 /// To the nearest number with fewer digits; 0, infinities and NaN are as they were.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     let half = 1 << (ROUNDED_BITS - 1);
     // A carry out of the mantissa rightly raises the exponent.
     f64::from_bits((value.to_bits() + half) >> ROUNDED_BITS << ROUNDED_BITS)

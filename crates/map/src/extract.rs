@@ -100,7 +100,11 @@ fn improve(first: &First<'_>, params: &Params) -> Result<(Vec<Part>, Vec<Optimis
 }
 
 /// The planes of the parts with enough cells, sorted by points, and the plane of each node.
-fn fit_parts(parts: &[Part], nodes: &Nodes, min_cells: usize) -> (Vec<ExtractedPlane>, Vec<Option<PlaneId>>) {
+pub(crate) fn fit_parts(
+    parts: &[Part],
+    nodes: &Nodes,
+    min_cells: usize,
+) -> (Vec<ExtractedPlane>, Vec<Option<PlaneId>>) {
     let mut fitted: Vec<(Stats, Plane, f64, &Part)> = parts
         .iter()
         .filter(|part| part.nodes.len() >= min_cells)

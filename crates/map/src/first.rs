@@ -78,7 +78,7 @@ impl<'m> First<'m> {
 
 /// A tenth of the median number of points of a cell, and at least 4, so that a plane through a cell is more than its
 /// three points.
-fn tenth_of_median_density(grid: &VoxelGrid) -> u64 {
+pub(crate) fn tenth_of_median_density(grid: &VoxelGrid) -> u64 {
     let mut densities: Vec<u64> = grid.iter().map(|cell| cell.density()).collect();
     densities.sort_unstable();
     (densities.get(densities.len() / 2).copied().unwrap_or(0) / 10).max(4)

@@ -57,6 +57,7 @@ mod nodes;
 mod optimise;
 mod params;
 mod plane_map;
+pub mod tune;
 mod uncertain;
 
 pub use cell_size::{CellSizeChoice, choose_cell_size};

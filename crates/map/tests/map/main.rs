@@ -13,4 +13,5 @@ mod motion;
 mod optimisation;
 mod params;
 mod planes;
+mod tune;
 mod weighting;
