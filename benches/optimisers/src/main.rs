@@ -41,6 +41,9 @@ struct Arguments {
     /// Print recorded staircases of one scene together, not one by one
     #[arg(long, requires = "recorded_only")]
     pooled: bool,
+    /// A line for each cost and a column for each method, with fewer numbers
+    #[arg(long)]
+    wide: bool,
     /// Only costs whose name contains this
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -81,7 +84,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{}, {} axes: {:.1} s", problem.name, problem.dimension, start.elapsed().as_secs_f64());
     }
 
-    print!("{}", if arguments.pooled { families::report(&rows) } else { table::markdown(&rows) });
+    let table = if arguments.wide { table::wide } else { table::markdown };
+    print!("{}", if arguments.pooled { families::report(&rows, table) } else { table(&rows) });
     if let Some(file) = &arguments.json {
         let report = Report { seeds: arguments.seeds, evaluations_per_axis: arguments.cap, rows: &rows };
         fs::write(file, serde_json::to_string(&report)? + "\n")

@@ -20,10 +20,39 @@ pub fn markdown(rows: &[Row]) -> String {
     text
 }
 
-/// One row of it.
+/// A line for each cost, a column for each method: percentage of success within 100 evaluations for each axis, and
+/// the evaluations for half and for 95 percent of the seeds.
+pub fn wide(rows: &[Row]) -> String {
+    let mut methods: Vec<&str> = Vec::new();
+    for row in rows {
+        if !methods.contains(&&*row.method) {
+            methods.push(&row.method);
+        }
+    }
+    let mut text = format!("| cost | d | steps | {} |\n| --- | ---: | ---: |", methods.join(" | "));
+    text += &" --- |".repeat(methods.len());
+    for of_cost in rows.chunk_by(|a, b| (&a.cost, a.dimension) == (&b.cost, b.dimension)) {
+        let Some(first) = of_cost.first() else { continue };
+        text += &format!("\n| {} | {} | {} |", first.cost, first.dimension, steps(first));
+        for method in &methods {
+            let cell = of_cost.iter().find(|row| row.method == *method).map_or(String::new(), |row| {
+                let number = |percent| row.quantile(percent).map_or("-".into(), |n: usize| n.to_string());
+                let rate = 100.0 * row.rate(100 * row.dimension);
+                format!("{rate:.0} %, {} / {}", number(50), number(95))
+            });
+            text += &format!(" {cell} |");
+        }
+    }
+    text + "\n"
+}
+
+fn steps(row: &Row) -> String {
+    if row.steps < 1e6 { format!("{}", row.steps) } else { format!("{:.1e}", row.steps) }
+}
+
+/// One row of the long table.
 fn line(row: &Row) -> String {
-    let steps = if row.steps < 1e6 { format!("{}", row.steps) } else { format!("{:.1e}", row.steps) };
-    let mut text = format!("| {} | {} | {steps} | {} |", row.cost, row.dimension, row.method);
+    let mut text = format!("| {} | {} | {} | {} |", row.cost, row.dimension, steps(row), row.method);
     for budget in BUDGETS {
         text += &format!(" {:.0} |", 100.0 * row.rate(budget * row.dimension));
     }
@@ -46,5 +75,21 @@ mod tests {
         let table = markdown(&[row]);
         let bars: Vec<usize> = table.lines().map(|line| line.matches('|').count()).collect();
         assert_eq!(bars, [12, 12, 12]);
+    }
+
+    #[test]
+    fn the_wide_table_has_a_line_for_each_cost_and_blanks_for_methods_that_do_not_take_it() {
+        let row = |cost: &str, method: &str| Row {
+            cost: cost.into(),
+            dimension: 1,
+            steps: 7.0,
+            method: method.into(),
+            success: vec![Some(3), None],
+        };
+        let table = wide(&[row("a", "m"), row("a", "n"), row("b", "n")]);
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines[0], "| cost | d | steps | m | n |");
+        assert_eq!(lines[2], "| a | 1 | 7 | 50 %, 3 / - | 50 %, 3 / - |");
+        assert_eq!(lines[3], "| b | 1 | 7 |  | 50 %, 3 / - |");
     }
 }
