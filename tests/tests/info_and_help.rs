@@ -58,8 +58,27 @@ fn help_names_every_option() {
         "--threads",
         "--quiet",
     ];
-    let commands: [(&str, Vec<&str>); 4] = [
+    let tune = [
+        "--out",
+        "--preset",
+        "--cell",
+        "--depth",
+        "--tau",
+        "--omega",
+        "--phi",
+        "--min-cells",
+        "--labels",
+        "--quality",
+        "--weight-clusters",
+        "--evaluations",
+        "--seed",
+        "--poses",
+        "--threads",
+        "--quiet",
+    ];
+    let commands: [(&str, Vec<&str>); 5] = [
         ("extract", [&extract[..], &read].concat()),
+        ("tune", [&tune[..], &read].concat()),
         ("info", read.to_vec()),
         (
             "synth",

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -24,6 +25,8 @@ pub struct Cli {
 pub enum Command {
     /// Extract the planes of scans
     Extract(Box<ExtractArgs>),
+    /// Search the settings that suit scans best: cell size, depth, tau, omega and phi at once
+    Tune(Box<TuneArgs>),
     /// Make a synthetic scan of a scene with known planes
     Synth(SynthArgs),
     /// Tell what files hold: format, points, bounds, spacing, absent points
@@ -154,6 +157,100 @@ pub struct ReadArgs {
     pub depth_scale: f64,
 }
 
+/// Arguments of `tune`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Settings are given as lists a,b,c or as ranges lo..hi, ends included; a single value holds the setting fixed.
+
+Examples:
+  terrace tune room.ply --out tuned
+      By the paper's cost: how uncertain the normals are, how many planes there are, how many points are left over.
+  terrace tune room.ply --out tuned --labels truth.npy --cell 0.05,0.07,0.1 --depth 1 --phi 0.02..0.3
+      By true labels, one int32 per point: 0 is no plane, below 0 is not known.
+
+Written to DIR: tune.json (see docs/tune-json.md), landscape.png (the cost along each setting through the best).")]
+pub struct TuneArgs {
+    /// Scans: files, folders or patterns, as for 'extract'
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// Folder for the results; made when missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Parameters to start from
+    #[arg(long, value_enum, default_value = "default")]
+    pub preset: Preset,
+    /// Edges of a grid cell in metres [default: half to twice the one chosen from the data]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        help_heading = "Settings"
+    )]
+    pub cell: Option<Vec<f64>>,
+    /// Depths of the neighbourhoods normals are fitted to [default: 1..2]
+    #[arg(long, value_name = "RANGE", value_parser = parse_range::<u32>, help_heading = "Settings")]
+    pub depth: Option<Range<u32>>,
+    /// Points that make a cell dense [default: a quarter of to four times a tenth of the median, at least 4]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Settings")]
+    pub tau: Option<Vec<u64>>,
+    /// Cells whose normal is less certain than this take no part [default: 0.05..1]
+    #[arg(
+        long,
+        value_name = "RANGE",
+        value_parser = parse_range::<f64>,
+        allow_hyphen_values = true,
+        help_heading = "Settings"
+    )]
+    pub omega: Option<Range<f64>>,
+    /// Orientation thresholds [default: 0..1]
+    #[arg(
+        long,
+        value_name = "RANGE",
+        value_parser = parse_range::<f64>,
+        allow_hyphen_values = true,
+        help_heading = "Settings"
+    )]
+    pub phi: Option<Range<f64>>,
+    /// Clusters of fewer cells are not planes [default: by preset]
+    #[arg(long, value_name = "N", help_heading = "Settings")]
+    pub min_cells: Option<usize>,
+    /// True labels as NPY of whole numbers, one per point of all inputs in order
+    #[arg(long, value_name = "FILE", help_heading = "Cost")]
+    pub labels: Option<PathBuf>,
+    /// How agreement with the labels is measured
+    #[arg(long, value_enum, default_value = "cover", requires = "labels", help_heading = "Cost")]
+    pub quality: QualityMeasure,
+    /// Weight of the number of planes in the paper's cost
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = 0.001,
+        conflicts_with = "labels",
+        allow_negative_numbers = true,
+        help_heading = "Cost"
+    )]
+    pub weight_clusters: f64,
+    /// Most evaluations of the search, at least 2
+    #[arg(long, value_name = "N", default_value_t = 300, help_heading = "Search")]
+    pub evaluations: usize,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Search")]
+    pub seed: u64,
+    /// How files are read.
+    #[command(flatten)]
+    pub read: ReadArgs,
+    /// Poses of the scans, from sensor to world: TUM, KITTI, 4x4 matrices, Open3D log, or a folder of 4x4 files
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
+    pub poses: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// Arguments of `synth`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -252,6 +349,15 @@ pub enum SearchMethod {
     Random,
 }
 
+/// How agreement with true labels is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum QualityMeasure {
+    /// Best intersection over union of each true plane, weighted by its points
+    Cover,
+    /// F1 score of the planes that match above an intersection over union of 0.8
+    F1,
+}
+
 /// At most a number, or no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Most {
@@ -299,6 +405,18 @@ pub enum Scene {
     Room,
     /// A corridor with a bend scanned by a lidar
     Corridor,
+}
+
+/// The first and the last value, both included.
+pub type Range<T> = (T, T);
+
+fn parse_range<T: FromStr + Copy>(text: &str) -> Result<Range<T>, String> {
+    let number =
+        |part: &str| part.trim().parse::<T>().map_err(|_| format!("'{part}' is no number of a range lo..hi"));
+    match text.split_once("..") {
+        Some((lo, hi)) => Ok((number(lo)?, number(hi)?)),
+        None => number(text).map(|only| (only, only)),
+    }
 }
 
 /// Three numbers.

@@ -37,6 +37,25 @@ pub enum CliError {
     /// No planes could be extracted.
     #[error(transparent)]
     Extract(#[from] terrace::ExtractError),
+    /// An argument of the tuning does not make sense.
+    #[error("{option}: {error}")]
+    TuneOption {
+        /// The option.
+        option: String,
+        /// What is wrong with it.
+        error: terrace::tune::TuneError,
+    },
+    /// The settings could not be tuned.
+    #[error(transparent)]
+    Tune(terrace::tune::TuneError),
+    /// True labels cannot be read.
+    #[error("--labels: {path}: {reason}")]
+    Labels {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] terrace_io::WriteError),
@@ -55,7 +74,11 @@ impl CliError {
     /// 2 for wrong arguments, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Usage(_) | Self::Params(_) | Self::Intrinsics(_) | Self::Synth(_) => 2,
+            Self::Usage(_)
+            | Self::Params(_)
+            | Self::Intrinsics(_)
+            | Self::Synth(_)
+            | Self::TuneOption { .. } => 2,
             _ => 1,
         }
     }

@@ -21,6 +21,7 @@ fn main() -> ExitCode {
         Command::Extract(args) => commands::extract::run(args),
         Command::Synth(args) => commands::synth::run(args),
         Command::Info(args) => commands::info::run(args),
+        Command::Tune(args) => commands::tune::run(args),
         Command::Reproduce(args) => commands::reproduce::run(args),
     };
     match outcome {

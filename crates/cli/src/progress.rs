@@ -32,6 +32,11 @@ impl Progress {
         self.bar.inc(steps as u64);
     }
 
+    /// What the stage is about now, beside the bar.
+    pub fn tell(&self, what: String) {
+        self.bar.set_message(what);
+    }
+
     /// A line that stays, above the bar.
     pub fn warn(&self, line: &str) {
         if !self.quiet {

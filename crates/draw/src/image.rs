@@ -83,16 +83,52 @@ impl Image {
     /// [`DrawError::Size`] when both together are too wide.
     pub fn beside(left: &Self, right: &Self) -> Result<Self, DrawError> {
         let mut both = Self::new(left.width + right.width, left.height.max(right.height))?;
-        for (part, start) in [(left, 0), (right, left.width)] {
-            for (to, from) in both
-                .pixels
-                .chunks_exact_mut(left.width + right.width)
-                .zip(part.pixels.chunks_exact(part.width))
-            {
-                to[start..start + part.width].copy_from_slice(from);
-            }
-        }
+        both.paste(left, 0, 0);
+        both.paste(right, left.width, 0);
         Ok(both)
+    }
+
+    /// Pictures in rows of `columns`, on white; a column is as wide as its widest picture, a row as high as its highest.
+    /// The last row may be shorter.
+    ///
+    /// ```
+    /// use terrace_draw::Image;
+    ///
+    /// let parts = [Image::new(30, 20)?, Image::new(40, 10)?, Image::new(5, 5)?];
+    /// let sheet = Image::tiled(&parts, 2)?;
+    /// assert_eq!((sheet.width(), sheet.height()), (30 + 40, 20 + 5));
+    /// # Ok::<(), terrace_draw::DrawError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DrawError::Size`] when there is none, or all together are too wide or too high.
+    pub fn tiled(parts: &[Self], columns: usize) -> Result<Self, DrawError> {
+        let columns = columns.clamp(1, parts.len().max(1));
+        let rows: Vec<&[Self]> = parts.chunks(columns).collect();
+        let widths: Vec<usize> = (0..columns)
+            .map(|column| rows.iter().filter_map(|row| row.get(column)).map(Self::width).max().unwrap_or(0))
+            .collect();
+        let heights: Vec<usize> =
+            rows.iter().map(|row| row.iter().map(Self::height).max().unwrap_or(0)).collect();
+        let mut sheet = Self::new(widths.iter().sum(), heights.iter().sum())?;
+        let mut top = 0;
+        for (row, height) in rows.iter().zip(heights) {
+            let mut left = 0;
+            for (part, width) in row.iter().zip(&widths) {
+                sheet.paste(part, left, top);
+                left += width;
+            }
+            top += height;
+        }
+        Ok(sheet)
+    }
+
+    /// Copies a picture that fits to this place.
+    fn paste(&mut self, part: &Self, left: usize, top: usize) {
+        let lines = self.pixels.chunks_exact_mut(self.width).skip(top);
+        for (to, from) in lines.zip(part.pixels.chunks_exact(part.width)) {
+            to[left..left + part.width].copy_from_slice(from);
+        }
     }
 
     /// The picture as the bytes of a PNG file.

@@ -3,6 +3,7 @@
 use crate::axis::Axis;
 use crate::canvas::{Anchor, Canvas};
 use crate::error::DrawError;
+use crate::image::Image;
 use crate::raster::Raster;
 use crate::svg::Svg;
 
@@ -55,6 +56,9 @@ pub struct Staircase {
     pub y_label: String,
     /// The range of x shown.
     pub range: [f64; 2],
+    /// Where x has ticks, such as the only values it can take; empty: at round numbers. A label that would touch the one
+    /// before is left out.
+    pub ticks: Vec<f64>,
     /// Where the cost is known.
     pub steps: Vec<Step>,
     /// Where it was asked for.
@@ -86,6 +90,7 @@ impl Staircase {
             x_label: x_label.to_owned(),
             y_label: y_label.to_owned(),
             range,
+            ticks: Vec::new(),
             steps: Vec::new(),
             samples: Vec::new(),
             best: None,
@@ -107,9 +112,17 @@ impl Staircase {
     /// # Errors
     /// As for [`Staircase::svg`], and [`DrawError::Png`] when the encoder fails.
     pub fn png(&self, width: usize, height: usize) -> Result<Vec<u8>, DrawError> {
+        self.image(width, height)?.png()
+    }
+
+    /// The chart as a picture, to be put together with others.
+    ///
+    /// # Errors
+    /// As for [`Staircase::svg`].
+    pub fn image(&self, width: usize, height: usize) -> Result<Image, DrawError> {
         let mut raster = Raster::new(width, height)?;
         self.draw(&mut raster)?;
-        raster.into_image().png()
+        Ok(raster.into_image())
     }
 
     /// Draws the chart over the whole of a canvas.
@@ -180,10 +193,15 @@ impl Staircase {
     ) {
         let ([x, y], unit) = (axes, pen.unit);
         pen.text([f64::midpoint(left, right), 20.0 * unit], &self.title, TITLE, Anchor::Middle);
-        for (value, label) in x.ticks(10) {
+        let mut free = f64::MIN;
+        for (value, label) in self.x_ticks(x) {
             let at = x.place(value);
             pen.line([at, top], [at, bottom], 1.0, GRID);
-            pen.text([at, bottom + 14.0 * unit], &label, TEXT, Anchor::Middle);
+            let half = pen.canvas.text_width(&label, TEXT * unit) / 2.0;
+            if at - half > free {
+                pen.text([at, bottom + 14.0 * unit], &label, TEXT, Anchor::Middle);
+                free = at + half + 6.0 * unit;
+            }
         }
         for (value, label) in y.ticks(7) {
             let at = y.place(value);
@@ -194,6 +212,17 @@ impl Staircase {
         pen.line([left, top], [left, bottom], 1.0, INK);
         pen.text([f64::midpoint(left, right), bottom + 36.0 * unit], &self.x_label, TEXT, Anchor::Middle);
         pen.text([left, top - 12.0 * unit], &self.y_label, TEXT, Anchor::End);
+    }
+
+    /// The ticks of x with their labels, in rising order.
+    fn x_ticks(&self, x: &Axis) -> Vec<(f64, String)> {
+        if self.ticks.is_empty() {
+            return x.ticks(10);
+        }
+        let [low, high] = self.range;
+        let mut ticks: Vec<f64> = self.ticks.iter().copied().filter(|x| (low..=high).contains(x)).collect();
+        ticks.sort_by(f64::total_cmp);
+        ticks.into_iter().map(|value| (value, short(value))).collect()
     }
 
     /// What the marks mean, those that occur.
@@ -255,6 +284,16 @@ impl<C: Canvas> Pen<'_, C> {
         }
         self.disc(centre, 6.0, BEST);
         self.disc(centre, 3.0, WHITE);
+    }
+}
+
+/// A number with at most four significant digits.
+fn short(value: f64) -> String {
+    let rounded = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
     }
 }
 

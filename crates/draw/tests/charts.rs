@@ -164,3 +164,19 @@ fn an_empty_range_is_an_error() {
     }
     assert!(matches!(Staircase::new("x", "y", [0.0, 1.0]).png(0, 5), Err(DrawError::Size { .. })));
 }
+
+#[test]
+fn ticks_stand_at_the_values_given_and_do_not_touch() {
+    let chart = |ticks: &[f64]| {
+        let chart = Staircase { ticks: ticks.to_vec(), ..Staircase::new("depth", "cost", [0.5, 3.5]) };
+        chart.svg(640, 400).unwrap()
+    };
+    let labels =
+        |svg: &str, of: &[&str]| of.iter().filter(|label| svg.contains(&format!(">{label}<"))).count();
+    let svg = chart(&[3.0, 1.0, 2.0, 7.0, f64::NAN]);
+    assert_eq!(labels(&svg, &["1", "2", "3"]), 3);
+    assert_eq!(labels(&svg, &["7", "NaN", "1.5", "2.5"]), 0);
+    let svg = chart(&[1.0, 1.000_1, 2.123_456, 3.5]);
+    assert_eq!(labels(&svg, &["1", "2.123", "3.5"]), 3);
+    assert_eq!(labels(&svg, &["1.0001", "2.123456"]), 0);
+}

@@ -4,3 +4,4 @@ pub mod extract;
 pub mod info;
 pub mod reproduce;
 pub mod synth;
+pub mod tune;
