@@ -1,5 +1,6 @@
-//! Both ways between this crate and [argmin](https://docs.rs/argmin): its cost functions minimised by the methods here, and
-//! costs of this crate by its solvers. With the feature `argmin`.
+//! For users of [argmin](https://docs.rs/argmin), a crate of optimisation methods, which it calls solvers: its cost
+//! functions minimised by the methods here, and costs of this crate minimised by its solvers. With the feature
+//! `argmin`.
 //!
 //! A cost function of argmin, minimised here:
 //!
@@ -27,7 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A staircase of this crate, minimised by a solver of argmin, which does not evaluate a known step twice either:
+//! A staircase of this crate, minimised by a solver of argmin. The cost is not evaluated twice on a known step here
+//! either:
 //!
 //! ```
 //! use argmin::core::Executor;
@@ -51,8 +53,8 @@ use crate::{Bounds, Cost, CostError, Evaluation, Steps};
 
 /// A cost function of argmin as a [`Cost`] of single places: it knows no steps.
 ///
-/// The parameters are vectors of `f64`. Where the function fails, the cost is NaN, which ends a search with an error
-/// that names the place; what the function said is kept in [`failure`](Self::failure).
+/// The function must take a `Vec<f64>` and return an `f64`. Where it fails, the cost is NaN, which ends a search with
+/// an error that names the place; what the function said is kept in [`failure`](Self::failure).
 #[derive(Debug)]
 pub struct FromArgmin<F> {
     function: F,

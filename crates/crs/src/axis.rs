@@ -5,17 +5,19 @@ use crate::BoundsError;
 /// The largest whole number up to which every whole number is an `f64`.
 const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
 
-/// The values one coordinate may take, in the unit of that coordinate.
+/// The values one coordinate (one of the numbers that make a place) may take, in the unit of that coordinate.
 ///
-/// Checked when [`Bounds`](crate::Bounds) are made of it; what the methods below say holds for checked axes.
+/// It is checked when [`Bounds`](crate::Bounds) are made of it; what is said of the functions below holds for axes
+/// that pass this check.
 ///
 /// ```
 /// use terrace_crs::Axis;
 ///
-/// let neighbours = Axis::List(vec![6.0, 18.0, 26.0]);
-/// assert_eq!((neighbours.lo(), neighbours.hi()), (6.0, 26.0));
-/// assert!(!neighbours.contains(7.0));
-/// assert_eq!(neighbours.nearest(12.0), 6.0);
+/// // Laboratory plates are sold with 6, 24 or 96 wells.
+/// let wells = Axis::List(vec![6.0, 24.0, 96.0]);
+/// assert_eq!((wells.lo(), wells.hi()), (6.0, 96.0));
+/// assert!(!wells.contains(7.0));
+/// assert_eq!(wells.nearest(12.0), 6.0);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -27,7 +29,8 @@ pub enum Axis {
         /// The upper end.
         hi: f64,
     },
-    /// Every whole number of `[lo, hi]`, both ends included; at most 2⁵³ from zero, so that each is an `f64`.
+    /// Every whole number of `[lo, hi]`, both ends included; at most 2⁵³ from zero, so that an `f64` holds each
+    /// exactly.
     Integer {
         /// The lowest.
         lo: i64,
@@ -39,7 +42,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// The lowest allowed value; NaN for an empty list, which no bounds hold.
+    /// The lowest allowed value; NaN for an empty list, which [`Bounds`](crate::Bounds) refuse.
     #[allow(clippy::cast_precision_loss, reason = "checked whole numbers are exact")]
     pub fn lo(&self) -> f64 {
         match self {
@@ -49,7 +52,7 @@ impl Axis {
         }
     }
 
-    /// The highest allowed value; NaN for an empty list, which no bounds hold.
+    /// The highest allowed value; NaN for an empty list, which [`Bounds`](crate::Bounds) refuse.
     #[allow(clippy::cast_precision_loss, reason = "checked whole numbers are exact")]
     pub fn hi(&self) -> f64 {
         match self {
@@ -77,7 +80,7 @@ impl Axis {
         if x - below <= above - x { below } else { above }
     }
 
-    /// The number of allowed values; `None` for a real axis with a positive width, which has no next value.
+    /// The number of allowed values; `None` for a real axis with a positive width, whose values are not counted.
     pub fn count(&self) -> Option<u64> {
         match self {
             Self::Real { lo, hi } => (lo == hi).then_some(1),

@@ -6,8 +6,9 @@ use crate::Axis;
 
 /// The domain in which a minimum is looked for: the allowed values of each [`Axis`].
 ///
-/// Valid by construction: at least one axis; every end, value and width finite; `lo <= hi`; lists not empty and
-/// strictly ascending. An axis of zero width is allowed and holds that coordinate fixed.
+/// Checked when they are made: at least one axis; every end, value and width (`hi - lo`) finite; `lo <= hi`; lists not
+/// empty and strictly ascending; whole numbers at most 2⁵³ from zero. An axis of zero width is allowed and holds that
+/// coordinate fixed.
 ///
 /// ```
 /// use terrace_crs::{Axis, Bounds};
@@ -17,14 +18,14 @@ use crate::Axis;
 /// assert!(bounds.contains(&[1.0, 0.0]));
 /// assert!(Bounds::interval(1.0, 0.0).is_err());
 ///
-/// // A threshold, a number of neighbours, and one of three sizes.
+/// // A threshold, a number of repeats, and the wells of a laboratory plate, which are 6, 24 or 96.
 /// let mixed = Bounds::of([
 ///     Axis::Real { lo: 0.0, hi: 1.0 },
 ///     Axis::Integer { lo: 1, hi: 30 },
-///     Axis::List(vec![6.0, 18.0, 26.0]),
+///     Axis::List(vec![6.0, 24.0, 96.0]),
 /// ])?;
-/// assert!(mixed.contains(&[0.3, 4.0, 18.0]));
-/// assert!(!mixed.contains(&[0.3, 4.5, 18.0]));
+/// assert!(mixed.contains(&[0.3, 4.0, 24.0]));
+/// assert!(!mixed.contains(&[0.3, 4.5, 24.0]));
 /// # Ok::<(), terrace_crs::BoundsError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +33,7 @@ pub struct Bounds {
     axes: Vec<Axis>,
 }
 
-/// Why a box cannot be searched. Axes count from zero.
+/// Why axes do not make [`Bounds`]. Axes count from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BoundsError {
@@ -85,7 +86,7 @@ pub enum BoundsError {
         /// The value.
         value: f64,
     },
-    /// A list of values must be sorted and hold each value once: ranks in it are what a search moves by.
+    /// A list of values must be in rising order and hold each value once.
     #[error("axis {axis}: value {index} of the list, {value:?}, is not above the one before it, {before:?}")]
     NotAscending {
         /// The axis.
@@ -97,7 +98,7 @@ pub enum BoundsError {
         /// The value.
         value: f64,
     },
-    /// Whole numbers beyond 2⁵³ are not all `f64`s, and places are.
+    /// Places are made of `f64`s, and beyond 2⁵³ from zero an `f64` cannot hold every whole number.
     #[error("axis {axis}: the whole numbers [{lo}, {hi}] reach beyond 2^53 from zero")]
     Inexact {
         /// The axis.
@@ -114,7 +115,7 @@ impl Bounds {
     ///
     /// # Errors
     ///
-    /// A [`BoundsError`] for the first axis that breaks a rule above.
+    /// A [`BoundsError`] for the first axis that breaks a rule of [`Bounds`], or because there is no axis.
     pub fn new(axes: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, BoundsError> {
         Self::of(axes.into_iter().map(|(lo, hi)| Axis::Real { lo, hi }))
     }
@@ -123,7 +124,7 @@ impl Bounds {
     ///
     /// # Errors
     ///
-    /// A [`BoundsError`] for the first axis that breaks a rule above.
+    /// A [`BoundsError`] for the first axis that breaks a rule of [`Bounds`], or because there is no axis.
     pub fn of(axes: impl IntoIterator<Item = Axis>) -> Result<Self, BoundsError> {
         let axes: Vec<Axis> = axes.into_iter().collect();
         if axes.is_empty() {
@@ -160,7 +161,8 @@ impl Bounds {
         x.len() == self.axes.len() && self.outside(x).is_none()
     }
 
-    /// The allowed place nearest to `x` on each axis; see [`Axis::nearest`]. Axes that `x` lacks are left out.
+    /// The allowed place nearest to `x` on each axis; see [`Axis::nearest`]. If `x` has fewer coordinates than there
+    /// are axes, so has the result; coordinates beyond the last axis are dropped.
     pub fn nearest(&self, x: &[f64]) -> Vec<f64> {
         self.axes.iter().zip(x).map(|(axis, x)| axis.nearest(*x)).collect()
     }

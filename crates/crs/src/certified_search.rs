@@ -10,13 +10,14 @@ use std::num::NonZeroUsize;
 use crate::ledger::{Ledger, check_starts};
 use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 
-/// An anytime search with a certificate: spends its budget where a lower value is most likely, and reports on which
-/// share of the domain it is proven that the cost is not lower. With budget enough that is all of it, and the result
-/// exact. Any number of axes; no random draws.
+/// A search with a proof: evaluates where a lower value is most likely, and tells, whenever it is stopped, for what
+/// share of the domain (all allowed places) it is proven that the cost is not lower. With evaluations enough that is
+/// all of it, and the result is exact. Any number of axes; nothing is drawn at random.
 ///
 /// # Algorithm
 ///
-/// What is not covered by known steps is kept as disjoint boxes; in one axis these are the gaps between known steps.
+/// What is not covered by known steps is kept as boxes that do not overlap; in one axis these are the gaps between
+/// known steps. Each has a *score*: how likely it is that a lower value lies in it.
 ///
 /// 1. Ask at the places given as [`start`](Self::start).
 /// 2. Take the uncovered box with the best score and ask at one place in it; the cost may give up as soon as it knows
@@ -24,37 +25,51 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 /// 3. Cut the step that was answered, or on which the cost is bounded, out of the box; score the pieces.
 /// 4. Go on at 2. until nothing is uncovered, or [`Stopping`] ends it.
 ///
-/// *Score in one axis.* The cost is seen as a trend with jitter: the trend a Brownian path, and every step apart from it
-/// by an independent error. Then between two known steps the cost is Gaussian, with a mean on the line between their
-/// trends and a variance that is largest in the middle; the score is the probability that it lies below the lowest value
-/// by a margin. The two variances are estimated from the medians of the differences of neighbouring known steps, near
-/// and far, so that single steps that jump do not spoil them, and the trend by a Kalman smoother. The place is where the
-/// probability is highest, given three places to choose from.
+/// *The score* decides only in which order places are asked for; the proof does not depend on it. In short: a gap
+/// scores high when the values at its ends are low, when it is wide, and when neighbouring steps differ much. The
+/// next three paragraphs tell how this is computed, for readers who know some statistics; nothing else here needs
+/// them.
 ///
-/// *Score in several axes.* The same, with a box in place of the gap: the mean is the value evaluated last beside
-/// it, the distance its longest side as a share of the axis, and the place its centre. A box from which a single place
-/// was answered is halved there along that side.
+/// *In one axis.* The cost is seen as a trend with jitter: a large-scale course, and every step apart from it by an
+/// error of its own. The trend is taken for a random walk (a Brownian path), so that between two known steps the cost
+/// is normally distributed, with a mean on the straight line between their trends and a variance that grows with the
+/// width of the gap. The score is the probability that it lies below the lowest value by a margin. In a gap between
+/// two known steps two places are compared, the middle and one nearer to the end of lower value, and the better is
+/// asked for; in a gap at the end of the axis it is that end.
 ///
-/// *Bounds.* The cost may give up where it is half the range of the values so far above the lowest, so that the bounds
-/// still tell high from low; during the walk through the rest, at the lowest value itself. The first five questions are
-/// answered in full. In the model a bound counts as the value.
+/// *Estimates.* How much the trend varies, and how large the jitter is, are estimated from the differences between
+/// neighbouring known steps: near ones tell the jitter, far ones the trend. Medians are used, so that a few large
+/// jumps do not spoil them. The trend at the known steps is then found by a Kalman smoother, a kind of running
+/// average.
 ///
-/// *Honesty.* Each eighth question goes to the largest uncovered box whatever its score (in one axis the first five as
-/// well), so that narrow steps that no trend announces are met sooner or later, and the certified share grows.
+/// *In several axes.* The same, with a box in place of the gap, and its centre as the place. The box knows one
+/// neighbour, the last place evaluated beside it: the mean is the trend there, and the distance is the one from there
+/// to the centre along the axis on which it is largest, as a share of that axis. There is no smoother. Where a real
+/// axis is involved and the answer is a single place, the box is halved there along its longest side.
 ///
-/// *The rest.* In one axis, after 50 questions in vain and as many again as had led to the lowest value, the rest is walked
-/// in ascending order, from the lowest value to the upper bound and then from the lower one, for a cost may be cheaper to
-/// evaluate beside its last place.
+/// *Lower bounds.* The cost may give up where it is above the lowest value by half the range of the values so far, so
+/// that its answers still tell high from low; during the walk described below, at the lowest value itself. The start
+/// places and the first five questions after them are answered in full. For the score a lower bound counts as if it
+/// were the value.
 ///
-/// *Ties*: of equal lowest values the one found first is returned. Of equal scores the box that was made first is taken.
+/// *The largest box.* Every eighth question goes to the middle of the largest uncovered box, whatever its score (in
+/// one axis the first five as well), so that narrow steps that no trend announces are met sooner or later, and the
+/// certified share grows.
+///
+/// *The rest.* In one axis, when no lower value was found for a long time, what is uncovered is walked through in
+/// ascending order, from the lowest value to the upper end and then from the lower end, for a cost may be cheaper to
+/// evaluate beside its last place. A long time is 50 questions, and as many again as had led to the lowest value.
+///
+/// *Ties*: of equal lowest values the one found first is returned. Of equal scores the box that was made first is
+/// taken.
 ///
 /// # When it ends
 ///
 /// With [`StopReason::Certified`](crate::StopReason::Certified) when nothing is uncovered, or before as [`Stopping`]
-/// says: a round is one question (or one group of [`batch`](Self::batch)). It has no population, and does not look at
-/// [`Stopping::spread`]. Without a limit on evaluations and rounds, and without target, stall or cancel flag, it ends
-/// with [`StopReason::NoSteps`](crate::StopReason::NoSteps) after 1000 *d* answers that are single places where an axis
-/// is real, for those certify nothing.
+/// says: a round is one question (or one group of [`batch`](Self::batch)). It does not look at [`Stopping::spread`].
+/// If an axis is real, answers that are single places prove nothing; without a limit (evaluations, rounds, stall,
+/// target or cancel flag) the search ends after 1000 *d* of them, *d* being the number of axes, with
+/// [`StopReason::NoSteps`](crate::StopReason::NoSteps).
 ///
 /// # Based on
 ///
@@ -65,18 +80,19 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 ///   strategy*, Operations Research Letters 4 (1), 35-39, 1985,
 ///   [doi:10.1016/0167-6377(85)90049-5](https://doi.org/10.1016/0167-6377(85)90049-5), which calls it the P-algorithm.
 ///
-/// Steps, certificate, jitter and several axes are additions.
+/// The steps, the proof, the jitter and the way of several axes are additions.
 ///
 /// # Complexity
 ///
-/// Per question O(log *k*) for *k* known steps, amortised, in one axis: about a microsecond. In several, a look-up and at
-/// most 2 *d* pieces for each known step that the box overlaps: about ten. To certify a staircase takes as many evaluations as it has steps if the
-/// cost tells them in full.
+/// Per question, beside the evaluation: in one axis O(log *k*) for *k* known steps, amortised, about a microsecond.
+/// In several axes a look-up, and at most 2 *d* new boxes for each known step that the box overlaps, about ten
+/// microseconds. To prove a staircase takes as many evaluations as it has steps if the cost tells them in full, or
+/// fewer if it gives up early on stretches of several.
 ///
 /// # Limits
 ///
-/// The certificate rests on what the cost tells: a step or a bound that is too large makes a false proof. In many axes
-/// proof is out of reach, and the certified share small.
+/// The proof rests on what the cost tells: a step that is too large, or a lower bound that is too high, makes a false
+/// proof. In many axes proof is out of reach, and the certified share small.
 ///
 /// # Examples
 ///
@@ -97,7 +113,7 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, Stopping};
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct CertifiedSearch {
-    /// Places to ask first, in this order: a value in use, or earlier results.
+    /// Places to ask first, in this order: a setting in use, or earlier results.
     pub start: Vec<Vec<f64>>,
     /// How many places are asked for together, by [`Cost::evaluate_many`]; for costs that can run on several threads.
     /// `None`: one.
@@ -129,8 +145,8 @@ impl CertifiedSearch {
     ///
     /// # Errors
     ///
-    /// A [`SearchError`]: start places outside the bounds, reported before the cost is asked; or a cost that breaks its
-    /// [contract](Cost#contract), as with a NaN.
+    /// A [`SearchError`]: start places outside the bounds, reported before the cost is asked; or a cost that breaks
+    /// its [contract](Cost#contract), as with a NaN.
     pub fn minimise(&self, cost: &mut (impl Cost + ?Sized), bounds: &Bounds) -> Result<Minimum, SearchError> {
         self.minimise_with(cost, bounds, &mut Steps::new(bounds))
     }

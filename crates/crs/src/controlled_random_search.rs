@@ -8,7 +8,9 @@ use crate::ledger::Ledger;
 use crate::population::{self, First, Member};
 use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, draw};
 
-/// Controlled random search: a population that contracts by reflections, without derivatives.
+/// Controlled random search: keeps a population, a set of places with their costs, and again and again replaces the
+/// worst of them by a better place, found by reflection: from one member through the centre of some others to the far
+/// side. So the population draws together around low places. No slope is needed.
 ///
 /// # Based on
 ///
@@ -16,14 +18,17 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 ///   367-370, 1977, [doi:10.1093/comjnl/20.4.367](https://doi.org/10.1093/comjnl/20.4.367).
 /// * W. L. Price, *Global optimization by controlled random search*, Journal of Optimization Theory and Applications
 ///   40 (3), 333-348, 1983, [doi:10.1007/BF00933504](https://doi.org/10.1007/BF00933504).
-/// * The form is that of *An Optimization Approach for 3D Environment Mapping using Normal Vector Uncertainty*,
-///   section V, Fig. 2, which minimises a staircase-shaped cost of one threshold φ with it.
+/// * The form is that of a paper that minimises a staircase of one threshold with it, *An Optimization Approach for 3D
+///   Environment Mapping using Normal Vector Uncertainty*, section V, Fig. 2. Nothing of the paper's subject is needed
+///   here.
 ///
 /// # Algorithm
 ///
+/// For *d* axes, a population of *n* and a subset of *m*:
+///
 /// 1. Draw *n* places uniformly in the bounds, after those given as [`start`](Self::start), and ask for their costs.
-/// 2. Each round, draw *m* of them without replacement and reflect the last through the centroid of the others:
-///    x' = 2 x̄ − xₘ, with x̄ = (x₁ + … + xₘ₋₁) / (m − 1).
+/// 2. Each round, draw *m* of them, none twice, and reflect the last through x̄, the centroid (the mean of each
+///    coordinate) of the others: x' = 2 x̄ − xₘ, with x̄ = (x₁ + … + xₘ₋₁) / (m − 1).
 /// 3. Ask for the cost of x'. If it is strictly below the largest cost in the population, it takes that place.
 /// 4. Stop as [`Stopping`] says, or when the whole population stands on one known step; return the lowest cost seen.
 ///
@@ -36,23 +41,26 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 ///
 /// # Where this differs from the figure
 ///
+/// Only for readers of the paper named above. Its input φ is [`start`](Self::start) here, and its ζ is
+/// [`Stopping::rounds`].
+///
 /// * Places on a known step cost nothing: their value is looked up in [`Steps`], not evaluated.
 /// * The figure does not say what happens to an x' outside the bounds. Here it is dropped without asking for a
-///   cost and drawn again; each such draw counts as a round, so that the number of rounds bounds the run.
-/// * The text of the paper stops at a small variance of the samples; here it is the range of their costs, see
-///   [`Stopping::spread`], and a population on a single step.
-/// * The figure's centroid and reflection lose a coordinate that all members share to rounding; here it is kept
+///   cost and drawn again; each such draw counts as a round, so that the run ends after the given number of rounds.
+/// * The text of the paper stops at a small variance of the samples; here it is a small range of their costs, see
+///   [`Stopping::spread`], or a population on a single step.
+/// * A coordinate that all members share would be changed by rounding in the figure's formulas; here it is kept
 ///   exactly, so that axes of zero width work.
 ///
 /// # Complexity
 ///
-/// Per round O(*m d*) and one look-up; O(*n d*) more when the new place is accepted. Memory: the population, the known
-/// steps, and one trace entry per question.
+/// Per round O(*m d*) and one look-up or evaluation; O(*n d*) more when the new place is accepted. Memory: the
+/// population, the known steps, and one trace entry per question.
 ///
 /// # Limits
 ///
-/// A heuristic: nothing proves the result, and a deep step much narrower than the spacing of the population is likely
-/// missed. See [`StopReason::OneStep`] for the one case that is proof.
+/// The method does not look for a proof, and a low step much narrower than the distances between the first places is
+/// likely missed. With one axis [`Minimum::is_proven`] tells whether it happens to have met every step.
 ///
 /// # Examples
 ///
@@ -60,7 +68,7 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 /// use rand::{SeedableRng, rngs::ChaCha8Rng};
 /// use terrace_crs::{Bounds, ControlledRandomSearch, from_stairs};
 ///
-/// // |x - 7.5| rounded down: steps of width one, the lowest of which is [7.5 - 1, 7.5 + 1).
+/// // The distance of x from 7.5, in whole units: it is 0 on the two steps [6.5, 7.5) and [7.5, 8.5).
 /// let mut cost = from_stairs(|x| {
 ///     let side = (x - 7.5).floor();
 ///     (if side < 0.0 { -side - 1.0 } else { side }, side + 7.5..side + 8.5)
@@ -75,12 +83,13 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 #[derive(Debug, Clone, Default)]
 pub struct ControlledRandomSearch {
     /// The population *n*, at least 1. A population of 1 has nothing to reflect: its member is the result.
-    /// `None`: 10 (*d* + 3) for *d* axes, or the number of start points if that is larger.
+    /// `None`: 10 (*d* + 3) for *d* axes, or the number of start places if that is larger.
     pub population: Option<usize>,
-    /// The subset *m*, 2 ≤ *m* ≤ *n*. A reflection spans all *d* axes only if *m* > *d*.
-    /// `None`: *d* + 1, or *n* if that is smaller.
+    /// The subset *m*, the members drawn for a reflection: 2 ≤ *m* ≤ *n*. With *m* > *d* a reflection can lead in any
+    /// direction; with fewer it stays on the line, plane and so on through its members. `None`: *d* + 1, or *n* if
+    /// that is smaller.
     pub subset: Option<usize>,
-    /// Places put into the first population, in this order (the figure's input φ): a value in use, or earlier results.
+    /// Places put into the first population, in this order: a setting in use, or earlier results.
     pub start: Vec<Vec<f64>>,
     /// How many places of the first population are evaluated together, by
     /// [`Cost::evaluate_many`]; for costs that can run on several threads. `None`: one.
@@ -88,8 +97,9 @@ pub struct ControlledRandomSearch {
     /// Places of a group do not profit from each other: two on the same step are both evaluated. A larger group is
     /// faster on many threads and costs more evaluations. The result does not depend on the number of threads.
     pub batch: Option<NonZeroUsize>,
-    /// When to stop. Rounds left to the method are 50 *n d*, meant for costs that know their steps; for a costly function
-    /// that knows none, set evaluations, rounds or a spread. A round is one reflection, taken or not.
+    /// When to stop. If [`Stopping::rounds`] is `None`, it is 50 *n d*. That many are meant for costs that know their
+    /// steps; for a slow function that knows none, set evaluations, rounds or a spread. A round is one reflection,
+    /// whether it enters the population or not.
     pub stopping: Stopping,
 }
 

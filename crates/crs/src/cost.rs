@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::Step;
 
-/// A cost to be minimised, asked for its value at one place at a time.
+/// A cost to be minimised, asked for its value at one place (one number per axis) at a time.
 ///
 /// # Contract
 ///
@@ -12,18 +12,18 @@ use crate::Step;
 /// * The [`Step`] contains `x`, and the value holds at *every* place of it. A smaller step than the true one is
 ///   allowed and only costs evaluations; a larger one is wrong. When nothing is known, [`Step::Point`] is right.
 ///
-/// What of this can be seen from outside is checked, and a breach is a [`CostError`](crate::CostError) that
-/// names `x`. The receiver is `&mut self` so that a cost may keep buffers and counters.
+/// A search checks this as far as its own questions show it; a breach is a [`CostError`](crate::CostError) that names
+/// `x`. The functions take `&mut self` so that a cost may keep buffers and counters.
 ///
-/// On an axis of whole numbers or listed values a step is written in the values as well, and covers the allowed values
-/// between its ends; [`Step::Point`] covers that one value.
+/// On an axis of whole numbers or listed values a step is an interval `[lo, hi)` too, and covers the allowed values in
+/// it; [`Step::Point`] covers that one value.
 ///
 /// Functions and closures become costs by [`from_fn`], [`from_line`] and [`from_stairs`], and by
 /// [`in_parallel`](crate::in_parallel) when they may run on several threads.
 ///
 /// # Examples
 ///
-/// Rounding to whole numbers knows its steps in closed form, in any number of axes:
+/// The sum of squares of rounded numbers, in any number of axes: each step is a box with sides of length 1.
 ///
 /// ```
 /// use terrace_crs::{Cost, Evaluation, Step};
@@ -45,16 +45,17 @@ pub trait Cost {
     /// The value at `x`, and the step around `x` on which it is known to hold.
     fn evaluate(&mut self, x: &[f64]) -> Evaluation;
 
-    /// As [`evaluate`](Self::evaluate), but may give up as soon as it knows that the value is not below `ceiling`, which
-    /// is at or above the lowest value of the search so far.
+    /// As [`evaluate`](Self::evaluate), but may give up as soon as it knows that the value is not below `ceiling`,
+    /// which is at or above the lowest value of the search so far.
     ///
     /// A sum of parts that are never negative, for one, can stop adding when it reaches `ceiling`. Only the methods
-    /// that look for a proof ask this way. The default never gives up.
+    /// that look for a proof ask this way ([`Sweep`](crate::Sweep) and [`CertifiedSearch`](crate::CertifiedSearch)).
+    /// The default never gives up.
     ///
     /// ```
     /// use terrace_crs::{Answer, Bounds, Cost, Evaluation, StopReason, Sweep};
     ///
-    /// /// A cost of two parts; the second is the dear one.
+    /// /// A cost of two parts; imagine that the second takes long to compute.
     /// struct Parts;
     ///
     /// impl Parts {
@@ -150,13 +151,13 @@ impl Evaluation {
     }
 }
 
-/// A cost of any dimension from a function that knows no steps.
+/// A cost of any number of axes from a function that knows no steps.
 ///
 /// ```
 /// use terrace_crs::{Cost, from_fn};
 ///
-/// let mut sphere = from_fn(|x| x.iter().map(|v| v * v).sum());
-/// assert_eq!(sphere.evaluate(&[3.0, 4.0]).value, 25.0);
+/// let mut squares = from_fn(|x| x.iter().map(|v| v * v).sum());
+/// assert_eq!(squares.evaluate(&[3.0, 4.0]).value, 25.0);
 /// ```
 pub fn from_fn<F: FnMut(&[f64]) -> f64>(function: F) -> impl Cost {
     struct Points<F>(F);

@@ -8,16 +8,17 @@ use crate::{CostError, StopReason};
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SearchError {
-    /// A population of zero has no best member.
+    /// A population of zero has no best member, and a pattern search with zero starts no result.
     #[error("the population is empty")]
     EmptyPopulation,
-    /// A reflection needs a place to reflect and at least one to reflect it through.
+    /// The subset, the members drawn for a reflection, is too small: one is reflected, through the centre of the
+    /// others.
     #[error("a subset of {subset} is too small: a reflection needs at least 2 places")]
     SubsetTooSmall {
         /// The subset asked for.
         subset: usize,
     },
-    /// The subset is drawn without replacement and cannot exceed the population.
+    /// The subset is drawn from the population, none twice, and cannot be larger.
     #[error("a subset of {subset} cannot be drawn from a population of {population}")]
     SubsetTooLarge {
         /// The subset asked for.
@@ -25,7 +26,7 @@ pub enum SearchError {
         /// The population.
         population: usize,
     },
-    /// The spread tolerance is negative or NaN.
+    /// The spread at which to end, [`Stopping::spread`](crate::Stopping::spread), is negative or NaN.
     #[error("the spread tolerance {spread:?} is not a number of at least 0")]
     Spread {
         /// The tolerance asked for.
@@ -37,10 +38,11 @@ pub enum SearchError {
         /// The target asked for.
         target: f64,
     },
-    /// The finest mesh of a pattern search is not above zero: it would never be reached.
+    /// The finest mesh of a pattern search, the shortest length of its moves
+    /// ([`PatternSearch::finest`](crate::PatternSearch::finest)), is not above zero: it would never be reached.
     #[error("the finest mesh {finest:?} is not a number above 0")]
     Mesh {
-        /// The mesh asked for.
+        /// The finest mesh asked for.
         finest: f64,
     },
     /// The search had to end before any value was known: too few evaluations were allowed, or it was cancelled.
@@ -49,10 +51,11 @@ pub enum SearchError {
         /// Why it ended.
         stop: StopReason,
     },
-    /// A sweep goes from step to step, and this cost knows no step at `x`. Other methods work without steps.
+    /// A sweep goes from step to step, and this cost told no step at `x` and at a thousand places after it. Other
+    /// methods work without steps.
     #[error("the cost tells no step at x = {x:?}: it cannot be swept on a real axis")]
     NoStep {
-        /// The place.
+        /// The first of these places.
         x: f64,
     },
     /// A sweep walks along one axis.
@@ -61,38 +64,39 @@ pub enum SearchError {
         /// The number of axes of the bounds.
         axes: usize,
     },
-    /// There are more start points than members: raise the population or leave it to the method.
+    /// There are more start places than members of the population, or than starts of a pattern search: raise that
+    /// number or leave it to the method.
     #[error("{starts} start points do not fit a population of {population}")]
     TooManyStarts {
-        /// The number of start points.
+        /// The number of start places.
         starts: usize,
-        /// The population.
+        /// The population, or the starts.
         population: usize,
     },
-    /// A start point has another number of axes than the bounds.
+    /// A start place has another number of axes than the bounds.
     #[error("start point {index} has {axes} coordinates, the bounds have {dimension} axes")]
     StartDimension {
-        /// Which start point.
+        /// Which start place, counted from zero.
         index: usize,
         /// Its number of coordinates.
         axes: usize,
         /// The number of axes of the bounds.
         dimension: usize,
     },
-    /// A start point lies between the bounds of a counted axis, but is none of its values.
+    /// A start place lies between the ends of an axis of whole numbers or listed values, but is none of its values.
     #[error("start point {index} is not allowed on axis {axis}: {value:?} is none of its values")]
     StartNotAllowed {
-        /// Which start point.
+        /// Which start place, counted from zero.
         index: usize,
         /// The first axis on which it is not allowed.
         axis: usize,
         /// Its coordinate there.
         value: f64,
     },
-    /// A start point is NaN or outside the bounds.
+    /// A start place is NaN or outside the bounds.
     #[error("start point {index} is outside the bounds on axis {axis}: {value:?} is not in [{lo:?}, {hi:?}]")]
     StartOutside {
-        /// Which start point.
+        /// Which start place, counted from zero.
         index: usize,
         /// The first axis on which it is outside.
         axis: usize,
@@ -119,7 +123,7 @@ pub enum SearchError {
         /// The number of axes of the bounds.
         bounds: usize,
     },
-    /// The cost broke its contract.
+    /// The cost broke its [contract](crate::Cost#contract).
     #[error(transparent)]
     Cost(#[from] CostError),
 }

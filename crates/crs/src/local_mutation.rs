@@ -8,26 +8,31 @@ use crate::ledger::Ledger;
 use crate::population::{self, First, Member};
 use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, draw};
 
-/// CRS2 with local mutation: a controlled random search that reflects through the best member and, where that fails,
-/// tries a place near the best. Comes to a result in fewer evaluations than
-/// [`ControlledRandomSearch`](crate::ControlledRandomSearch), and is more easily caught by a low basin that is not the
-/// lowest.
+/// Controlled random search with local mutation: keeps a population (a set of places with their costs), replaces its
+/// worst member by a place on the other side of good ones (a reflection) and, where that fails, by a place beside the
+/// best (a mutation). Comes to a result in fewer evaluations than
+/// [`ControlledRandomSearch`](crate::ControlledRandomSearch), and is more easily caught by a low basin that is not
+/// the lowest.
 ///
 /// # Based on
 ///
-/// * P. Kaelo, M. M. Ali, *Some variants of the controlled random search algorithm for global optimization*, Journal of
-///   Optimization Theory and Applications 130 (2), 253-264, 2006,
-///   [doi:10.1007/s10957-006-9101-0](https://doi.org/10.1007/s10957-006-9101-0), the algorithm CRS2 with their local
-///   mutation.
+/// * P. Kaelo, M. M. Ali, *Some variants of the controlled random search algorithm for global optimization*, Journal
+///   of Optimization Theory and Applications 130 (2), 253-264, 2006,
+///   [doi:10.1007/s10957-006-9101-0](https://doi.org/10.1007/s10957-006-9101-0). CRS2 is the name there for the
+///   second form of Price's controlled random search; this is CRS2 with their local mutation.
 ///
 /// # Algorithm
 ///
+/// For *d* axes and a population of *n*:
+///
 /// 1. Draw *n* places uniformly in the bounds, after those given as [`start`](Self::start), and ask for their costs.
-/// 2. Each round, take the best member b and draw *d* others without replacement; reflect the last of them through the
-///    centroid of b and the rest: x' = 2 x̄ − xₘ. One outside the bounds is drawn again, which counts as a round.
+/// 2. Each round, take the best member b and draw *d* others, none twice. Reflect the last of them, xₗ, through x̄,
+///    the centroid (the mean of each coordinate) of b and the rest: x' = 2 x̄ − xₗ. If x' is outside the bounds, the
+///    round ends without a question.
 /// 3. If the cost of x' is strictly below the largest in the population, x' takes that place.
-/// 4. Otherwise ask at y = b + w (b − x'), that is yᵢ = (1 + wᵢ) bᵢ − wᵢ x'ᵢ, with each wᵢ drawn uniformly in [0, 1) and y
-///    moved into the bounds; if its cost is strictly below the largest, y takes that place.
+/// 4. Otherwise try a place on the other side of b, seen from x': on each axis *i* at yᵢ = bᵢ + wᵢ (bᵢ − x'ᵢ), with
+///    each wᵢ drawn uniformly in [0, 1) and y moved into the bounds. If its cost is strictly below the largest, y
+///    takes that place.
 /// 5. Stop as [`Stopping`] says, or when the whole population stands on one known step; return the lowest cost seen.
 ///
 /// On axes of whole numbers or listed values x' and y are rounded to the nearest allowed value, of two the lower.
@@ -39,11 +44,12 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 ///
 /// # Complexity
 ///
-/// Per round O(*n* + *d*²) and at most two look-ups.
+/// Per round O(*n* + *d*²) and at most two look-ups or evaluations.
 ///
 /// # Limits
 ///
-/// A heuristic: nothing proves the result. A step much narrower than the spacing of the population is likely missed.
+/// The method does not look for a proof. A step much narrower than the distances between the first places is likely
+/// missed.
 ///
 /// # Examples
 ///
@@ -61,15 +67,16 @@ use crate::{Bounds, Cost, Minimum, SearchError, Steps, StopReason, Stopping, dra
 #[derive(Debug, Clone, Default)]
 pub struct LocalMutation {
     /// The population *n*, at least 1. A population of 1 has nothing to reflect: its member is the result. With fewer
-    /// than *d* + 1 members all others are drawn. `None`: 10 (*d* + 1) for *d* axes, or the number of start points if
-    /// that is larger.
+    /// than *d* + 1 members, for *d* axes, each round draws all but the best. `None`: 10 (*d* + 1), or the number of
+    /// start places if that is larger.
     pub population: Option<usize>,
-    /// Places put into the first population, in this order: a value in use, or earlier results.
+    /// Places put into the first population, in this order: a setting in use, or earlier results.
     pub start: Vec<Vec<f64>>,
     /// How many places of the first population are evaluated together; see
     /// [`ControlledRandomSearch::batch`](crate::ControlledRandomSearch::batch).
     pub batch: Option<NonZeroUsize>,
-    /// When to stop. Rounds left to the method are 50 *n d*. A round is one reflection, with the mutation that may follow.
+    /// When to stop. If [`Stopping::rounds`] is `None`, it is 50 *n d*. A round is one reflection, with the mutation
+    /// that may follow.
     pub stopping: Stopping,
 }
 

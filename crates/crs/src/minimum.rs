@@ -12,23 +12,23 @@ pub struct Minimum {
     pub x: Vec<f64>,
     /// The cost there.
     pub value: f64,
-    /// The step `x` stands on: the whole box can be had for the same cost.
+    /// The step `x` stands on: every place on it has the same cost.
     pub step: Step,
     /// How often a value was asked for, known or not: the length of [`trace`](Self::trace).
     pub calls: usize,
     /// How often the cost was really evaluated, answers that gave up early included; at most `calls`.
     pub evaluations: usize,
-    /// The rounds done after the first population or start places.
+    /// The rounds done after the first population or start places; each method tells what a round is.
     pub rounds: usize,
     /// Why the search ended.
     pub stop: StopReason,
-    /// The share of the domain, from 0 to 1, on which it is proven that the cost is not below [`value`](Self::value):
-    /// the places on known steps of this or a higher value, and those under a lower bound at or above it. Measured as
-    /// the product over the axes: by width on real axes, by the number of values on the others and on axes of zero
-    /// width.
+    /// The share of the domain (all allowed places), from 0 to 1, on which it is proven that the cost is not below
+    /// [`value`](Self::value): the places on known steps of this or a higher value, and those for which the cost said
+    /// that it is *at least* this value or a higher one. Real axes are measured by width, the others by the number of
+    /// values; in several axes the share of a box is the product of its shares of the axes.
     ///
-    /// Exactly 1 only when it is proven at every place, however little may be missing. `None` when the method does not
-    /// keep count: the population methods and the pattern search, in several axes.
+    /// Exactly 1 only when it is proven at every place: where the least is missing it is below 1. `None` when the
+    /// method does not keep count: in several axes all but [`CertifiedSearch`](crate::CertifiedSearch).
     pub certified: Option<f64>,
     /// Every place whose value was asked for, in order.
     pub trace: Vec<Trial>,
@@ -43,7 +43,7 @@ impl Minimum {
     }
 }
 
-/// One question of a search.
+/// One question of a search: a place whose value was asked for, and the answer.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Trial {
@@ -53,10 +53,11 @@ pub struct Trial {
     pub value: f64,
     /// Where the value came from.
     pub source: Source,
-    /// Whether the place entered the population. Methods without one: whether the search went on from there (pattern
-    /// search) or it was the lowest so far (the others).
+    /// Whether the place entered the population. In a pattern search: whether it was a start place, or lower than the
+    /// place the move was made from. In the other methods without a population: whether it was the lowest so far.
     pub accepted: bool,
-    /// The round, counted from one; zero is the first population, or the start places.
+    /// The round, counted from one; zero is the first population or the start places, in a pattern search the first of
+    /// these.
     pub round: usize,
 }
 
@@ -70,7 +71,8 @@ pub enum Source {
     Known,
     /// The cost was evaluated and gave up early: the value is a lower bound of the cost there.
     Bounded,
-    /// The place lies where a lower bound is known that suffices; the cost was not asked.
+    /// The place lies where a lower bound is known that is at or above the lowest value so far; the cost was not
+    /// asked.
     KnownBounded,
 }
 
@@ -97,9 +99,9 @@ pub enum StopReason {
     /// One known step contains every member of the population; for a cost that knows no steps, all members are the
     /// same place.
     ///
-    /// The population agrees on value and place. This is convergence and not proof: a reflection may still leave the
-    /// step by as much as its width, and a lower step elsewhere may never have been met. It is proof when the step
-    /// contains the bounds.
+    /// The population agrees on value and place. This does not prove that nothing is lower: a reflection could still
+    /// leave the step by as much as its width, and a lower step elsewhere may never have been met. It is proof when
+    /// the step contains the bounds.
     OneStep,
     /// The cost was evaluated [`Stopping::evaluations`](crate::Stopping::evaluations) times.
     Evaluations,
@@ -109,11 +111,12 @@ pub enum StopReason {
     Target,
     /// The caller set the flag [`Stopping::cancel`](crate::Stopping::cancel).
     Cancelled,
-    /// The cost is known, or proven to be no lower, at every place of the domain: the value is the global minimum.
+    /// At every place of the domain the cost is known, or proven to be no lower: no allowed place has a lower value
+    /// than the one found.
     Certified,
-    /// Every start of a pattern search has come to a place from which none of its moves leads down.
+    /// From every start a pattern search has come to a place from which none of its moves leads down.
     Converged,
-    /// A search for a certificate met a cost that tells no steps on a real axis, where no number of places makes a
-    /// proof, and no limit was set. See [`CertifiedSearch`](crate::CertifiedSearch).
+    /// A [`CertifiedSearch`](crate::CertifiedSearch) without a limit met a cost that tells no steps on a real axis,
+    /// where no number of single places makes a proof.
     NoSteps,
 }

@@ -7,11 +7,12 @@ use std::thread;
 
 use crate::{Cost, Evaluation};
 
-/// A cost of any dimension from a function that may be called from several threads at once; places that are asked for
-/// together ([`Cost::evaluate_many`]) are evaluated on up to `threads` threads.
+/// A cost of any number of axes from a function that may be called from several threads at once; places that are asked
+/// for together ([`Cost::evaluate_many`]) are evaluated on up to `threads` threads.
 ///
-/// The answers come in the order of the questions, so that a search gives the same result on any number of threads. It
-/// asks for several places at once only when its `batch` is above one.
+/// The answers come in the order of the questions, so that a search gives the same result on any number of threads. A
+/// search asks for several places at once only when its `batch` is above one; [`Sweep`](crate::Sweep) and
+/// [`PatternSearch`](crate::PatternSearch) have no `batch` and ask for one place after another.
 ///
 /// Threads are started for each group, some tens of microseconds: worth it for evaluations of about a millisecond and
 /// more. A panic of the function is passed on.

@@ -5,47 +5,49 @@ use rand::Rng;
 use crate::ledger::{Ledger, check_starts};
 use crate::{Axis, Bounds, Cost, Minimum, SearchError, Step, Steps, StopReason, Stopping, draw};
 
-/// Pattern search: from each start, moves along one axis at a time and repeats together what led down, until no move
-/// does. For settings of several kinds: real, whole numbers and lists at once.
+/// Pattern search: from each start place, moves along one axis at a time; the moves that led to a lower cost are then
+/// made once more, all together; it ends when no move leads lower. For settings of several kinds: real, whole numbers
+/// and lists at once.
 ///
 /// # Based on
 ///
-/// * R. Hooke, T. A. Jeeves, *"Direct search" solution of numerical and statistical problems*, Journal of the ACM 8 (2),
-///   212-229, 1961, [doi:10.1145/321062.321069](https://doi.org/10.1145/321062.321069).
+/// * R. Hooke, T. A. Jeeves, *"Direct search" solution of numerical and statistical problems*, Journal of the ACM 8
+///   (2), 212-229, 1961, [doi:10.1145/321062.321069](https://doi.org/10.1145/321062.321069).
 ///
 /// # Algorithm
 ///
-/// The mesh is the length of a move, as a share of each axis; a quarter at first. From each start in turn:
+/// The *mesh* is the length of a move, as a share of each axis; a quarter at first. From each start in turn:
 ///
-/// 1. *Explore*: along each axis try a move up, and if the cost is not strictly lower there, one down; keep what is
-///    lower.
-/// 2. If that led down, repeat the whole way from the last base to here once more (the pattern move), explore from
-///    there, and stay there if it is strictly lower; go to 1.
-/// 3. If not, halve the mesh and go to 1. The start has converged when the mesh is below [`finest`](Self::finest), or when
-///    halving would change no move.
+/// 1. *Explore*: along each axis try a move to a higher coordinate, and if the cost is not strictly lower there, one
+///    to a lower coordinate; keep what has a lower cost.
+/// 2. If that led to a lower cost, go the whole way from where the exploration began to where it ended once more (the
+///    *pattern move*) and explore from there. As long as this gives a strictly lower cost, do it again from there;
+///    then go to 1.
+/// 3. If not, halve the mesh and go to 1. The start has *converged* when the mesh is below [`finest`](Self::finest),
+///    or when halving would change no move.
 ///
-/// A move along a real axis is the mesh times its width. Along whole numbers and lists it is by rank, the mesh times
-/// their number, at least to the next value.
+/// A move along a real axis is the mesh times its width. Along whole numbers and lists it goes on by the mesh times
+/// the number of values, rounded down, and at least to the next value.
 ///
 /// *Steps*: a move goes at least to the border of the known step it stands on, since the cost is the same anywhere
-/// inside. So a start that has converged stands on a step of which no neighbour along an axis is lower, unless the steps
-/// are narrower than the finest mesh. A move that would leave the bounds ends at them.
+/// inside. So a start that has converged stands on a step of which no neighbour along an axis is lower, unless the
+/// steps are narrower than the finest mesh. A move that would leave the bounds ends at them.
 ///
-/// *Ties*: the earlier found wins; up is tried before down.
+/// *Ties*: the earlier found wins.
 ///
 /// # When it ends
 ///
-/// With [`StopReason::Converged`] when all starts have, or before as [`Stopping`] says: a round is one exploration, and
-/// there is no limit to them unless it is set. It has no population, and does not look at [`Stopping::spread`].
+/// With [`StopReason::Converged`] when all starts have, or before as [`Stopping`] says: a round is one exploration,
+/// and there is no limit to them unless it is set. It does not look at [`Stopping::spread`].
 ///
 /// # Complexity
 ///
-/// Per round at most 2 *d* questions.
+/// Per round at most 2 *d* questions for *d* axes, and one for the start place or the pattern move before it.
 ///
 /// # Limits
 ///
-/// A local method: it finds the bottom of the basin it starts in, and may stick in a narrow valley that runs slantwise to
-/// the axes. Several starts help, as does giving it the result of another method.
+/// It finds a low place near each start, not the lowest of all, and may stick in a narrow valley that runs slantwise
+/// to the axes. Several starts help, as does giving it the result of another method.
 ///
 /// # Examples
 ///
@@ -53,27 +55,27 @@ use crate::{Axis, Bounds, Cost, Minimum, SearchError, Step, Steps, StopReason, S
 /// use rand::{SeedableRng, rngs::ChaCha8Rng};
 /// use terrace_crs::{Axis, Bounds, PatternSearch, StopReason, from_fn};
 ///
-/// // A threshold, a number of neighbours, and one of three sizes.
+/// // A threshold, a number of repeats, and the wells of a laboratory plate, which are 6, 24 or 96.
 /// let bounds = Bounds::of([
 ///     Axis::Real { lo: 0.0, hi: 1.0 },
 ///     Axis::Integer { lo: 1, hi: 30 },
-///     Axis::List(vec![6.0, 18.0, 26.0]),
+///     Axis::List(vec![6.0, 24.0, 96.0]),
 /// ])?;
-/// let mut cost = from_fn(|x| ((20.0 * x[0]).floor() - 7.0).abs() + (x[1] - 12.0).abs() + (x[2] - 18.0).abs());
+/// let mut cost = from_fn(|x| ((20.0 * x[0]).floor() - 7.0).abs() + (x[1] - 12.0).abs() + (x[2] - 24.0).abs());
 /// let mut rng = ChaCha8Rng::seed_from_u64(1);
 /// let minimum = PatternSearch::default().minimise(&mut cost, &bounds, &mut rng)?;
 /// assert_eq!((minimum.value, minimum.stop), (0.0, StopReason::Converged));
-/// assert_eq!(minimum.x[1..], [12.0, 18.0]);
+/// assert_eq!(minimum.x[1..], [12.0, 24.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct PatternSearch {
-    /// Places to start from, in this order: a value in use, or the results of other methods.
+    /// Places to start from, in this order: a setting in use, or the results of other methods.
     pub start: Vec<Vec<f64>>,
-    /// The number of starts, those given included; the others are drawn uniformly. `None`: 5, or those given if they are
-    /// more.
+    /// The number of starts, those given included; the others are drawn uniformly (each place as likely as any other).
+    /// `None`: 5, or those given if they are more.
     pub starts: Option<usize>,
-    /// The mesh below which a start has converged, as a share of the real axes. `None`: 2⁻²⁰, a millionth.
+    /// The mesh below which a start has converged, as a share of each axis. `None`: 2⁻²⁰, about a millionth.
     pub finest: Option<f64>,
     /// When to stop before all starts have converged.
     pub stopping: Stopping,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
-/// The places at which one value of a cost is known to hold.
+/// The places at which one value of a cost is known to hold: an interval, with several axes a box (an interval on
+/// each), or a single place.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// Only the place that was asked for.
@@ -25,7 +26,8 @@ impl Step {
 
     /// Whether the value found at `origin` is known to hold at `x` as well.
     ///
-    /// `origin` matters for [`Step::Point`] alone. A NaN, or another number of axes, is never inside.
+    /// `origin` matters only for [`Step::Point`], which contains `origin` alone. A NaN, or another number of axes, is
+    /// never inside.
     ///
     /// ```
     /// use terrace_crs::Step;

@@ -11,10 +11,10 @@ use crate::{Bounds, Evaluation, Step};
 use line::Line;
 use space::Space;
 
-/// The known steps of one cost: look before you evaluate.
+/// The known steps of one cost, a store in which a search looks before it evaluates.
 ///
-/// Searches fill it as they go ([`ControlledRandomSearch::minimise_with`]); what one search learnt serves the next
-/// one on the same cost.
+/// Searches fill it as they go (`minimise_with` of each method, as [`ControlledRandomSearch::minimise_with`]); what
+/// one search learnt serves the next one on the same cost.
 ///
 /// # Borders
 ///
@@ -25,18 +25,20 @@ use space::Space;
 ///
 /// A cost may report less than its true step, so steps may overlap; then their values must agree, as they do whenever
 /// the cost keeps its [contract](crate::Cost#contract). Disagreement is an error and leaves the store as it was. On a
-/// single axis, steps that overlap are kept as their union. Steps that only touch stay apart.
+/// single axis, steps that overlap are joined into one. Steps that only touch stay apart.
 ///
 /// # Lower bounds
 ///
-/// What a cost answers when it [gives up early](crate::Cost::evaluate_below) is kept apart: a place under a lower bound
-/// is not known, [`find`](Self::find) says nothing of it, and [`bound_at`](Self::bound_at) tells the bound.
+/// When a cost [gives up early](crate::Cost::evaluate_below), it says that it is *at least* so much. Such lower
+/// bounds are kept apart from values: where only a bound is known, [`find`](Self::find) gives `None`, and
+/// [`bound_at`](Self::bound_at) gives the bound.
 ///
 /// # Complexity
 ///
-/// With *k* steps, points and bounds included: one axis, O(log *k*) to find and, amortised, to insert. Several axes of
-/// number *d*: boxes are found by bounding-box trees, O(*d* log² *k*) for boxes that overlap little, at worst O(*d k*)
-/// when all overlap at the place; inserting is amortised O(*d* log² *k*) beside the boxes that the new one overlaps.
+/// With *k* steps, single places and bounds included. One axis: O(log *k*) to find and, amortised, to insert. Several
+/// axes, *d* of them: boxes are kept in search trees; finding takes O(*d* log² *k*) for boxes that overlap little, at
+/// worst O(*d k*) when all overlap at the place. Inserting takes O(*d* log² *k*), amortised, and the time to look at
+/// each box that the new one overlaps.
 ///
 /// # Examples
 ///
@@ -67,8 +69,8 @@ enum Store {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CostError {
-    /// The value is NaN or infinite, which cannot be compared or averaged. A cost that means 'forbidden' can return
-    /// a large finite value.
+    /// The value is NaN or infinite, with which a search cannot reckon. A cost that means 'forbidden' can return a
+    /// large finite value.
     #[error("the cost at x = {x:?} is {value:?}, not a finite number")]
     NotFinite {
         /// Where the cost was evaluated.
@@ -95,12 +97,13 @@ pub enum CostError {
         /// What was known before; a single place is written as the smallest box around it.
         known: Box<Evaluation>,
     },
-    /// The value is below a lower bound that was given for the place before.
+    /// A value is below a lower bound, and the steps of the two overlap, whichever came first: one of them is wrong,
+    /// or holds on less than the cost said.
     #[error("the cost at x = {x:?} is {} on {}, but at least {} on {}", new.value, new.step, bound.value, bound.step)]
     BelowBound {
         /// Where the cost was evaluated.
         x: Vec<f64>,
-        /// The lower of the two.
+        /// The value, and where it was said to hold.
         new: Box<Evaluation>,
         /// The lower bound, and where it was said to hold.
         bound: Box<Evaluation>,
@@ -134,7 +137,7 @@ pub enum CostError {
 }
 
 impl Steps {
-    /// An empty store for costs with as many axes as `bounds`. Steps may reach beyond the bounds.
+    /// An empty store for a cost with as many axes as `bounds`. Steps may reach beyond the bounds.
     pub fn new(bounds: &Bounds) -> Self {
         let dimension = bounds.dimension();
         let store = if dimension == 1 {
@@ -173,7 +176,7 @@ impl Steps {
 
     /// The value at `x` and the step around `x` on which it is known, if any.
     ///
-    /// When several known boxes overlap at `x`, the earliest inserted one answers.
+    /// When several known boxes overlap at `x`, it is the one inserted first.
     pub fn step_at(&self, x: &[f64]) -> Option<Evaluation> {
         match &self.store {
             Store::Line(line) => line.find(x).map(|(lo, run)| run.evaluation(lo)),
@@ -190,7 +193,7 @@ impl Steps {
         }
     }
 
-    /// Learns that the cost was evaluated at `x` with this answer.
+    /// Takes in that the cost was evaluated at `x` with this answer.
     ///
     /// # Errors
     ///
@@ -214,7 +217,7 @@ impl Steps {
         })
     }
 
-    /// Learns that the cost gave up at `x`: its value there is a lower bound on the step.
+    /// Takes in that the cost gave up at `x`: nowhere on the step is it below the value of `bound`.
     ///
     /// # Errors
     ///
@@ -257,8 +260,8 @@ impl Steps {
         }
     }
 
-    /// In several axes: a box that overlaps these and on which the cost is known, or bounded, at or above `value`; known
-    /// single `points` included or not.
+    /// In several axes: a box that overlaps these and on which the cost is known, or bounded, at or above `value`;
+    /// known single `points` included or not.
     pub(crate) fn proof(&self, axes: &[(f64, f64)], value: f64, points: bool) -> Option<&[(f64, f64)]> {
         match &self.store {
             Store::Line(_) => None,

@@ -5,13 +5,15 @@ use std::sync::atomic::AtomicBool;
 
 use crate::{SearchError, StopReason};
 
-/// The rules that end a search, shared by all methods; the first one met does. All are `None` by default: then only the
-/// method's own end is in force, which its page tells.
+/// The rules that end a search, shared by all methods; the first one met does. All are `None` by default: then only
+/// the method's own end is in force, which its page tells.
 ///
-/// Of several rules met at once the reason given is the first of: target, cancelled, evaluations, stall; then the
-/// method's own end; then spread; then rounds.
+/// When several of target, cancel, evaluations and stall are met at once, the reason given is the first of them in
+/// this order. When one is met together with the number of rounds, the spread or the method's own end, it depends on
+/// the method which is given. To know whether a result is proven ask
+/// [`Minimum::is_proven`](crate::Minimum::is_proven), not for the reason.
 ///
-/// Write `Stopping { rounds: Some(60), ..Stopping::default() }`, which stays right when rules are added.
+/// Write `Stopping { rounds: Some(60), ..Stopping::default() }`, which still compiles when rules are added.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -31,26 +33,26 @@ use crate::{SearchError, StopReason};
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Stopping {
-    /// End when the cost was evaluated this often, answers that gave up early included. What is known costs nothing and
-    /// does not count. A search that may evaluate nothing and knows nothing is an error.
+    /// End when the cost was evaluated this often, answers that gave up early included. A value that is looked up
+    /// among the known steps does not count. With `Some(0)` a search sees no value, which is an error.
     pub evaluations: Option<usize>,
-    /// At most this many rounds after the first population or start places (ζ of the paper); `Some(0)` ends with the
-    /// best of these. What a round is, and what `None` means, is told by each method.
+    /// At most this many rounds after the first population or the start places; `Some(0)` ends with the best of
+    /// these, and is an error for a method that has none. What a round is, and what `None` means, is told by each
+    /// method.
     pub rounds: Option<usize>,
     /// End when the largest minus the smallest cost of the population is at most this, in the unit of the cost.
-    /// `Some(0.0)` ends when all costs are equal; `None` (the default) never ends for this reason. Methods without a
-    /// population do not look at it.
+    /// `Some(0.0)` ends when all costs are equal; `None` (the default) never ends for this reason. A population is a
+    /// set of places that a method keeps and improves; methods without one do not look at this.
     ///
-    /// Equal costs are not enough by default because on a staircase they say little: steps far apart may share a
-    /// value and hide a lower one between them. It is the range and not the variance because it has the unit of the
-    /// cost and cannot overflow into a false 'equal'.
+    /// By default equal costs do not end a search, because on a staircase they say little: steps far apart may have
+    /// the same value, and a lower one may lie between them.
     pub spread: Option<f64>,
     /// End after this many evaluations in a row of which none gave a lower value than the lowest before.
     pub stall: Option<usize>,
     /// End as soon as a value at or below this one was seen, in the unit of the cost.
     pub target: Option<f64>,
-    /// End, with what was found so far, when the caller sets this flag. It is looked at before every question, so that
-    /// a running evaluation is not interrupted.
+    /// End, with what was found so far, when the caller sets this flag. It is looked at before every question (or
+    /// group of questions asked together); a running evaluation is not interrupted.
     pub cancel: Option<Arc<AtomicBool>>,
 }
 

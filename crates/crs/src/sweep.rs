@@ -3,27 +3,29 @@
 use crate::ledger::{Heard, Ledger};
 use crate::{Bounds, Cost, Minimum, SearchError, Step, Steps, StopReason, Stopping};
 
-/// The exact sweep of one axis: evaluates at the lower bound, then at the end of each step it is told, up to the upper
-/// bound. Visits every step once and so proves its result.
+/// The walk along one axis from end to end: evaluates at the lower end of the bounds, then at the end of each step it
+/// is told, up to the upper end. Visits every step once and so proves its result.
 ///
-/// Places are asked for in strictly ascending order, and each is the place at which the last answer ends: a cost can
-/// exploit that by repairing its last result instead of starting anew.
+/// Places are asked for in strictly ascending order, and each is the place at which the last answer ends. A cost can
+/// make use of that, and change its last result where one decision changed instead of computing everything anew.
 ///
-/// On an axis of whole numbers or listed values it goes on at the first value that the last step does not cover; a cost
-/// that tells no steps is enumerated. On a real axis such a cost cannot be swept, unless the axis has no width: after a
-/// thousand answers in a row that are single places this is an error ([`SearchError::NoStep`]).
+/// On an axis of whole numbers or listed values it goes on at the first value that the last step does not cover; if
+/// the cost tells no steps, every value is evaluated. On a real axis a cost without steps cannot be swept, unless the
+/// axis has no width: after more than a thousand answers in a row that are single places this is an error
+/// ([`SearchError::NoStep`]).
 ///
 /// *Ties*: of equal lowest values the one at the lowest place is returned.
 ///
 /// # When it ends
 ///
-/// With [`StopReason::Certified`] at the upper bound, or before as [`Stopping`] says: a round is one question; without
-/// a limit it goes on to the end. The share that was walked is then in [`Minimum::certified`]. It has no population,
-/// and does not look at [`Stopping::spread`].
+/// With [`StopReason::Certified`] at the upper end, or before as [`Stopping`] says: a round is one question. Ended
+/// before, it has proven its result for the part that was walked, whose share is in [`Minimum::certified`]. It does
+/// not look at [`Stopping::spread`].
 ///
 /// # Complexity
 ///
-/// One evaluation per step of the staircase, if the cost tells its steps in full, and O(log *k*) beside it.
+/// One evaluation per step of the staircase, if the cost tells its steps in full, and O(log *k*) beside it for *k*
+/// known steps.
 ///
 /// # Examples
 ///
@@ -39,7 +41,7 @@ use crate::{Bounds, Cost, Minimum, SearchError, Step, Steps, StopReason, Stoppin
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// Whether the cost may give up as soon as it knows that it does not fall below the lowest value so far
-    /// ([`Cost::evaluate_below`]). True by default; with false the trace holds the whole staircase.
+    /// ([`Cost::evaluate_below`]). True by default; with false the trace holds the value of every step.
     pub stop_early: bool,
     /// When to stop before the end.
     pub stopping: Stopping,
