@@ -64,7 +64,8 @@ pub struct Tuned {
     /// The parameters with the best settings: those of an extraction with the same result, which searches no φ for
     /// single clusters.
     pub params: Params,
-    /// The best settings. ω and φ are near the middle of their step, with few digits.
+    /// The best settings: those in use unless there are better ones, whose ω and φ are then near the middle of their step,
+    /// with few digits.
     pub best: Settings,
     /// The cost there, and the settings with the same result.
     pub step: TuneStep,
@@ -141,7 +142,8 @@ impl TuneCost<'_> {
         proof: Option<&Minimum>,
     ) -> Result<Tuned, TuneError> {
         let minimum = proof.filter(|proof| proof.value < descent.value).unwrap_or(descent);
-        let best = self.readable(minimum);
+        // Settings that are as good as any stay as they were given.
+        let best = if minimum.x == start { start.to_vec() } else { self.readable(minimum) };
         // Both searches begin at five coordinates; this is for its type alone.
         let (Some(best), Some(before_settings)) = (Settings::at(&best), Settings::at(start)) else {
             return Err(TuneError::NoValue { axis: TuneAxis::CellSize });

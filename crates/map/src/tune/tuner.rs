@@ -8,6 +8,9 @@ use crate::{ExtractError, InsertError, Mapper, Params, choose_cell_size};
 
 /// Looks for better settings for scans, which it keeps: each cell size makes a grid of its own.
 ///
+/// Memory: the scans, and, while a [`TuneCost`] lives, the grid of each cell size met with 4 bytes for each point, and the
+/// normals of the last few choices of cell size, τ and depth.
+///
 /// ```
 /// use terrace::tune::{Objective, TuneSearch, Tuner};
 /// use terrace::{Frame, Mapper, Params, Scan, Sigma};

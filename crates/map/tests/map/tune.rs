@@ -347,7 +347,11 @@ proptest! {
                 let space = TuneSpace { omega: (omega / 2.0, omega), ..tuner.space() };
                 let search = TuneSearch { evaluations: 25, cancel: None };
                 match tuner.cost(&space).unwrap().tune(&search, |_| {}) {
-                    Ok(tuned) => prop_assert!(tuned.step.value <= tuned.before.value),
+                    Ok(tuned) => {
+                        prop_assert!(tuned.step.value <= tuned.before.value);
+                        let better = tuned.step.value < tuned.before.value;
+                        prop_assert!(better || tuned.best == tuned.before_settings);
+                    }
                     Err(error) => {
                         prop_assert!(points.is_empty() && matches!(error, TuneError::Extract(_)), "{error}");
                     }

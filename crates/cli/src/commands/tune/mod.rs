@@ -164,13 +164,13 @@ fn summarise(args: &TuneArgs, tuned: &Tuned) {
     let rows = [("before", &tuned.before_settings, &tuned.before), ("best", &tuned.best, &tuned.step)];
     for (name, s, step) in rows {
         println!(
-            "{name:<6} {:>9.4} {:>7} {:>5} {:>11} {:>11}   {:.6}",
-            s.cell_size,
+            "{name:<6} {:>9} {:>7} {:>5} {:>11} {:>11}   {}",
+            significant(s.cell_size),
             s.depth,
             s.tau,
             short(s.omega),
             short(s.phi),
-            step.value
+            fixed(step.value)
         );
     }
     let step = &tuned.step;
@@ -201,6 +201,17 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// Four significant digits.
+fn significant(value: f64) -> String {
+    let short = format!("{value:.3e}").parse().unwrap_or(value);
+    if (1e-4..1e6).contains(&short) { short.to_string() } else { format!("{short:e}") }
+}
+
+/// Six decimals, unless that makes a long number.
+fn fixed(value: f64) -> String {
+    if value.abs() < 1e6 { format!("{value:.6}") } else { format!("{value:.6e}") }
+}
+
 /// A share as per cent with two significant digits; 100 only when it is all.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
@@ -220,6 +231,8 @@ mod tests {
     #[test]
     fn numbers_are_short_and_honest() {
         assert_eq!([0.25, 1.0, 0.123_456_789, f64::INFINITY].map(short), ["0.25", "1", "0.123457", "any"]);
+        assert_eq!([0.088_14, 1e-9, 2.5, 1e7].map(significant), ["0.08814", "1e-9", "2.5", "1e7"]);
+        assert_eq!([0.25, -1.0, 2.5e300].map(fixed), ["0.250000", "-1.000000", "2.500000e300"]);
         let shares = [0.0, 3.2e-7, 0.0123, 0.42, 0.9999, 1.0];
         assert_eq!(shares.map(percent), ["0", "3.2e-5", "1.23", "42", "99", "100"]);
     }
