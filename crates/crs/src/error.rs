@@ -66,7 +66,7 @@ pub enum SearchError {
     },
     /// There are more start places than members of the population, or than starts of a pattern search: raise that
     /// number or leave it to the method.
-    #[error("{starts} start points do not fit a population of {population}")]
+    #[error("{starts} start places do not fit a population of {population}")]
     TooManyStarts {
         /// The number of start places.
         starts: usize,
@@ -74,7 +74,7 @@ pub enum SearchError {
         population: usize,
     },
     /// A start place has another number of axes than the bounds.
-    #[error("start point {index} has {axes} coordinates, the bounds have {dimension} axes")]
+    #[error("start place {index} has {axes} coordinates, the bounds have {dimension} axes")]
     StartDimension {
         /// Which start place, counted from zero.
         index: usize,
@@ -84,7 +84,7 @@ pub enum SearchError {
         dimension: usize,
     },
     /// A start place lies between the ends of an axis of whole numbers or listed values, but is none of its values.
-    #[error("start point {index} is not allowed on axis {axis}: {value:?} is none of its values")]
+    #[error("start place {index} is not allowed on axis {axis}: {value:?} is none of its values")]
     StartNotAllowed {
         /// Which start place, counted from zero.
         index: usize,
@@ -94,7 +94,7 @@ pub enum SearchError {
         value: f64,
     },
     /// A start place is NaN or outside the bounds.
-    #[error("start point {index} is outside the bounds on axis {axis}: {value:?} is not in [{lo:?}, {hi:?}]")]
+    #[error("start place {index} is outside the bounds on axis {axis}: {value:?} is not in [{lo:?}, {hi:?}]")]
     StartOutside {
         /// Which start place, counted from zero.
         index: usize,

@@ -249,7 +249,7 @@ fn a_start_outside_the_bounds_is_an_error_that_names_axis_and_value() {
         let error = run(&search, &mut from_line(|x| x)).unwrap_err();
         assert_eq!(
             error.to_string(),
-            format!("start point 1 is outside the bounds on axis 0: {value:?} is not in [0.0, 1.0]")
+            format!("start place 1 is outside the bounds on axis 0: {value:?} is not in [0.0, 1.0]")
         );
     }
 }
