@@ -34,6 +34,12 @@ pub enum GridError {
         /// The error as given.
         error: [f64; 3],
     },
+    /// A covariance is not finite, or a variance on its diagonal is negative.
+    #[error("the covariance {covariance:?} (xx, xy, xz, yy, yz, zz) is not finite with variances from 0 up")]
+    Covariance {
+        /// The six entries as given.
+        covariance: [f64; 6],
+    },
     /// A weight must be positive and finite.
     #[error("the weight {weight} is not positive and finite")]
     Weight {

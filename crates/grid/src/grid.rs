@@ -4,7 +4,7 @@ use std::num::NonZeroU32;
 
 use foldhash::fast::FixedState;
 use hashbrown::HashMap;
-use terrace_stats::{Moments, Stats, UncertainVector};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3, UncertainVector};
 
 use crate::dense::{Connectivity, DenseCells};
 use crate::key::{centre_of, key_of};
@@ -130,6 +130,26 @@ impl VoxelGrid {
     pub fn insert(&mut self, point: &UncertainVector) -> Result<CellId, GridError> {
         let (slot, local) = self.place(point)?;
         self.slots[slot as usize].moments.push(&local);
+        CellId::from_index(slot).ok_or(GridError::Full { cells: self.slots.len() })
+    }
+
+    /// Adds a point with weight 1 whose error has this covariance, in m², and returns its cell. The rule of assignment
+    /// looks at its diagonal.
+    ///
+    /// # Errors
+    /// As [`VoxelGrid::insert`], and for a covariance that is not finite or has a negative variance.
+    #[inline]
+    pub fn insert_covariant(
+        &mut self,
+        point: [f64; 3],
+        covariance: &SymmetricMatrix3,
+    ) -> Result<CellId, GridError> {
+        if !covariance.is_finite() || covariance.diagonal_entries().iter().any(|variance| *variance < 0.0) {
+            return Err(GridError::Covariance { covariance: covariance.0 });
+        }
+        let error = covariance.diagonal_entries().map(f64::sqrt);
+        let (slot, local) = self.place(&UncertainVector { value: point, error })?;
+        self.slots[slot as usize].moments.push_covariant(local.value, covariance);
         CellId::from_index(slot).ok_or(GridError::Full { cells: self.slots.len() })
     }
 

@@ -7,7 +7,7 @@ use terrace_grid::{
     Assignment, Connectivity, GridError, MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE, VoxelGrid, VoxelKey, Walk,
     validate_cell_size,
 };
-use terrace_stats::UncertainVector;
+use terrace_stats::{SymmetricMatrix3, UncertainVector};
 
 const RULES: [Assignment; 2] = [Assignment::Voxel, Assignment::ExpectedDistance];
 const CONNECTIVITIES: [Connectivity; 3] = [Connectivity::Faces, Connectivity::Edges, Connectivity::Corners];
@@ -315,4 +315,33 @@ fn memory_is_taken_where_points_are() {
 #[test]
 fn sizes_told_in_the_docs() {
     assert_eq!(size_of::<Option<terrace_grid::CellId>>(), 4);
+}
+
+#[test]
+fn covariances_of_points_that_are_none_are_refused() {
+    for rule in RULES {
+        let mut grid = grid_of(0.1, rule, &[[0.0; 3]]);
+        for (entry, bad) in [(0, -1e-9), (3, f64::NAN), (1, f64::INFINITY), (5, -1.0)] {
+            let mut covariance = SymmetricMatrix3::diagonal([1e-4; 3]);
+            covariance.0[entry] = bad;
+            // In a new voxel, which must not be founded.
+            let refused = grid.insert_covariant([0.5; 3], &covariance);
+            assert!(matches!(refused, Err(GridError::Covariance { .. })), "{covariance:?} gave {refused:?}");
+        }
+        assert_eq!(grid.len(), 1);
+    }
+}
+
+#[test]
+fn errors_along_the_axes_are_a_diagonal_covariance() {
+    let points = [[0.01, 0.02, 0.03], [0.07, 0.01, 0.05], [0.31, 0.02, 0.0]];
+    for rule in RULES {
+        let by_axis = grid_of(0.1, rule, &points);
+        let mut by_matrix = VoxelGrid::new(0.1, rule).unwrap();
+        for point in points {
+            by_matrix.insert_covariant(point, &SymmetricMatrix3::diagonal([0.01 * 0.01; 3])).unwrap();
+        }
+        let stats = |grid: &VoxelGrid| grid.iter().map(|cell| cell.stats()).collect::<Vec<_>>();
+        assert_eq!(stats(&by_axis), stats(&by_matrix));
+    }
 }

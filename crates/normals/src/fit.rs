@@ -20,8 +20,8 @@ pub struct PlaneFit {
     pub normal: [f64; 3],
     /// Unit vectors in the plane: along the largest scatter, and perpendicular to it and the normal.
     pub axes: [[f64; 3]; 2],
-    /// Variances of the points along the normal and along the two axes, in m². The root of the first is the rms
-    /// distance from the plane.
+    /// Variances of the points in rising order, in m²: along the normal, along the second axis, along the first. The
+    /// root of the first is the rms distance from the plane.
     pub variances: [f64; 3],
 }
 

@@ -4,6 +4,8 @@
 //!   cells.
 //! * [`estimate`]: the normal of a neighbourhood of cells *and* how far it may turn (Definition 3 of "An Optimization
 //!   Approach for 3D Environment Mapping using Normal Vector Uncertainty"): the min-max uncertainty.
+//! * [`CovariantPlane`]: the plane of cells whose points have known errors, with the first-order covariance of its tilt and
+//!   offset, and of its coefficients.
 //! * [`symmetric_eigen`] and [`symmetric_eigen_batch`]: eigenvalues and eigenvectors of symmetric 3×3 matrices by
 //!   Jacobi rotations, the solver under all of it.
 //! * [`towards`] turns a normal to the sensor, [`canonical`] to a fixed side.
@@ -47,12 +49,14 @@
 //! A neighbourhood that determines no plane gives [`Degenerate`] with the reason, never an invented normal. Nothing
 //! panics; input that is not finite is [`Degenerate::NotFinite`].
 
+mod covariant;
 mod degenerate;
 mod eigen;
 mod fit;
 mod minmax;
 mod orient;
 
+pub use covariant::CovariantPlane;
 pub use degenerate::Degenerate;
 pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};
 pub use fit::{PlaneFit, fit_centres, fit_plane};

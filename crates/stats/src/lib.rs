@@ -1,6 +1,7 @@
 //! Additive statistics of uncertain 3-vectors.
 //!
-//! An *uncertain vector* is a value with a standard error along each axis: a measured point, or an estimated normal.
+//! An *uncertain vector* is a value with a standard error along each axis: a measured point, or an estimated normal. An
+//! error may also have any covariance ([`Stats::push_covariant`]).
 //! What a set of them has to say (how many, where their mean is, how they scatter, how sure the mean is) follows from
 //! a handful of sums. Sums add: the statistics of a union are the sum of the statistics, so that scans can be
 //! inserted one at a time, cells merged into any region, and maps built in parts on several machines, without keeping
@@ -11,7 +12,7 @@
 //! least-squares plane of any union then follows from sums alone, and optional weights.
 //!
 //! * [`UncertainVector`]: a value and its standard errors.
-//! * [`Moments`]: the sums, about the origin of whatever coordinates they were given in. 112 bytes.
+//! * [`Moments`]: the sums, about the origin of whatever coordinates they were given in. 136 bytes.
 //! * [`Stats`]: moments together with the *anchor* they are relative to. This is the type to use; `Moments` is for
 //!   those who know the anchor already, such as a grid whose cells are their own anchors.
 //! * [`SymmetricMatrix3`]: a covariance or second moment.

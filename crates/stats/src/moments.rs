@@ -10,7 +10,7 @@ use crate::{SymmetricMatrix3, UncertainVector};
 /// | [`weight`](Self::weight) | Σ w | d |
 /// | [`sum`](Self::sum) | Σ w p | L |
 /// | [`second`](Self::second) | Σ w p pᵀ | `S_sq` is its diagonal |
-/// | [`error`](Self::error) | Σ w² ε² per axis | `E_sq` |
+/// | [`noise`](Self::noise) | Σ w² C, C the covariance of a vector's error | `E_sq` is its diagonal: [`error`](Self::error) |
 ///
 /// Use [`Stats`](crate::Stats) unless you keep the anchor yourself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -19,13 +19,18 @@ pub struct Moments {
     weight: f64,
     sum: [f64; 3],
     second: SymmetricMatrix3,
-    error: [f64; 3],
+    noise: SymmetricMatrix3,
 }
 
 impl Moments {
     /// No vector yet.
-    pub const EMPTY: Self =
-        Self { count: 0, weight: 0.0, sum: [0.0; 3], second: SymmetricMatrix3::ZERO, error: [0.0; 3] };
+    pub const EMPTY: Self = Self {
+        count: 0,
+        weight: 0.0,
+        sum: [0.0; 3],
+        second: SymmetricMatrix3::ZERO,
+        noise: SymmetricMatrix3::ZERO,
+    };
 
     /// Adds a vector with weight 1.
     #[inline]
@@ -33,9 +38,22 @@ impl Moments {
         self.count = self.count.saturating_add(1);
         self.weight += 1.0;
         self.second += SymmetricMatrix3::outer(v.value);
+        let [x, y, z] = v.variance();
+        self.noise += SymmetricMatrix3::diagonal([x, y, z]);
         for i in 0..3 {
             self.sum[i] += v.value[i];
-            self.error[i] += v.error[i] * v.error[i];
+        }
+    }
+
+    /// Adds a vector with weight 1 whose error has any covariance: that of a measurement along a ray, say.
+    #[inline]
+    pub fn push_covariant(&mut self, value: [f64; 3], covariance: &SymmetricMatrix3) {
+        self.count = self.count.saturating_add(1);
+        self.weight += 1.0;
+        self.second += SymmetricMatrix3::outer(value);
+        self.noise += *covariance;
+        for i in 0..3 {
+            self.sum[i] += value[i];
         }
     }
 
@@ -45,10 +63,10 @@ impl Moments {
         self.count = self.count.saturating_add(1);
         self.weight += weight;
         self.second += SymmetricMatrix3::outer(v.value) * weight;
+        let errors = v.error.map(|error| weight * error);
+        self.noise += SymmetricMatrix3::diagonal(errors.map(|error| error * error));
         for i in 0..3 {
             self.sum[i] += weight * v.value[i];
-            let error = weight * v.error[i];
-            self.error[i] += error * error;
         }
     }
 
@@ -58,9 +76,9 @@ impl Moments {
         self.count = self.count.saturating_add(other.count);
         self.weight += other.weight;
         self.second += other.second;
+        self.noise += other.noise;
         for i in 0..3 {
             self.sum[i] += other.sum[i];
-            self.error[i] += other.error[i];
         }
     }
 
@@ -97,9 +115,15 @@ impl Moments {
         self.second
     }
 
-    /// `E = Σ w² ε²`, per axis.
+    /// `Σ w² C`: the covariance of the weighted sum of the vectors, their errors being independent.
+    pub fn noise(&self) -> SymmetricMatrix3 {
+        self.noise
+    }
+
+    /// `E = Σ w² ε²`, per axis: the diagonal of [`noise`](Self::noise).
+    #[inline]
     pub fn error(&self) -> [f64; 3] {
-        self.error
+        self.noise.diagonal_entries()
     }
 
     /// The mean `L / W`: the expectation of the virtual centre, Eq. (1). `None` without weight.
@@ -123,13 +147,13 @@ impl Moments {
     }
 
     /// Variance of the mean along each pair of axes: scatter over count, plus what the stated errors add,
-    /// `(S/W − m mᵀ)/d + diag(E)/W²`. `None` without weight.
+    /// `(S/W − m mᵀ)/d + Σ w² C/W²`. `None` without weight.
     ///
     /// "Dependent on the distribution of the points in each cell as well as their inherent uncertainty" (section I).
     pub fn covariance_of_mean(&self) -> Option<SymmetricMatrix3> {
         let squared = self.weight * self.weight;
         let scatter = self.covariance()? * (1.0 / self.count as f64);
-        Some(scatter + SymmetricMatrix3::diagonal(self.error.map(|e| e / squared)))
+        Some(scatter + SymmetricMatrix3(self.noise.0.map(|c| c / squared)))
     }
 
     /// Dispersion plus mean squared error per axis, `S/d − (L/d)² + E/d`: the variance of a vector drawn from the set
@@ -139,7 +163,8 @@ impl Moments {
     /// Its root is the paper's uncertainty `(s_x, s_y, s_z)` of a cluster, when the vectors are its cells' normals.
     pub fn variance_with_error(&self) -> Option<[f64; 3]> {
         let scatter = self.covariance()?.diagonal_entries();
-        Some([0, 1, 2].map(|i| scatter[i] + self.error[i] / self.weight))
+        let error = self.error();
+        Some([0, 1, 2].map(|i| scatter[i] + error[i] / self.weight))
     }
 
     /// Expected squared distance of an uncertain vector from the uncertain mean (Lemma 3.1, Eq. 3):
@@ -149,9 +174,10 @@ impl Moments {
     pub fn expected_squared_distance(&self, v: &UncertainVector) -> Option<f64> {
         let mean = self.mean()?;
         let squared = self.weight * self.weight;
+        let error = self.error();
         let terms = [0, 1, 2].map(|i| {
             let difference = v.value[i] - mean[i];
-            difference * difference + v.error[i] * v.error[i] + self.error[i] / squared
+            difference * difference + v.error[i] * v.error[i] + error[i] / squared
         });
         Some(terms[0] + terms[1] + terms[2])
     }

@@ -29,6 +29,12 @@ impl Stats {
         self.moments.push(&self.local(v));
     }
 
+    /// Adds a vector with weight 1 whose error has this covariance.
+    #[inline]
+    pub fn push_covariant(&mut self, value: [f64; 3], covariance: &SymmetricMatrix3) {
+        self.moments.push_covariant(difference(value, self.anchor), covariance);
+    }
+
     /// Adds a vector with a weight, which should be positive. `1/σ²` gives the estimate of least variance.
     #[inline]
     pub fn push_weighted(&mut self, v: &UncertainVector, weight: f64) {

@@ -359,5 +359,40 @@ fn known_answers_with_weights() {
 
 #[test]
 fn statistics_take_as_many_bytes_as_told() {
-    assert_eq!((size_of::<Moments>(), size_of::<Stats>()), (112, 136));
+    assert_eq!((size_of::<Moments>(), size_of::<Stats>()), (136, 160));
+}
+
+proptest! {
+    /// Errors along the axes are those with a diagonal covariance, to the last bit; any other adds up and turns as a
+    /// covariance does.
+    #[test]
+    fn covariances_of_errors_add_up(set in set(50), anchor in vector(1.0), tilts in prop::collection::vec(vector(0.1), 50)) {
+        let (mut by_axis, mut by_matrix, mut tilted) = (Stats::new(anchor), Stats::new(anchor), Stats::new(anchor));
+        let mut sum = SymmetricMatrix3::ZERO;
+        for (v, tilt) in set.iter().zip(&tilts) {
+            by_axis.push(v);
+            let [x, y, z] = v.variance();
+            by_matrix.push_covariant(v.value, &SymmetricMatrix3::diagonal([x, y, z]));
+            let covariance = SymmetricMatrix3::outer(*tilt);
+            tilted.push_covariant(v.value, &covariance);
+            sum += covariance;
+        }
+        prop_assert_eq!(by_axis, by_matrix);
+        prop_assert_eq!(tilted.moments().noise(), sum);
+        prop_assert_eq!(tilted.moments().error(), sum.diagonal_entries());
+        let (n, n2) = (set.len() as f64, (set.len() * set.len()) as f64);
+        let (scatter, of_mean) = (tilted.covariance().unwrap(), tilted.covariance_of_mean().unwrap());
+        for i in 0..6 {
+            let expected = scatter.0[i] / n + sum.0[i] / n2;
+            prop_assert!((of_mean.0[i] - expected).abs() <= 1e-12 * (expected.abs() + sum.trace()));
+        }
+        // Merged in two halves, in any anchor.
+        let mut halves = [Stats::new(anchor), Stats::new([0.0; 3])];
+        for (i, (v, tilt)) in set.iter().zip(&tilts).enumerate() {
+            halves[i % 2].push_covariant(v.value, &SymmetricMatrix3::outer(*tilt));
+        }
+        let [mut all, other] = halves;
+        all.merge(&other);
+        prop_assert!(same_matrix(all.moments().noise(), sum, 1e-13 * sum.trace()));
+    }
 }
