@@ -42,12 +42,14 @@ struct Grown {
     marks: Marks,
 }
 
-/// What became of a rank.
-pub(crate) enum Repaired {
-    /// Its founder belongs to an earlier cluster.
-    Nothing,
-    /// The cluster, grown to its end, the thresholds with the same decisions, and how many distances were compared.
-    Grown { end: Position, interval: Interval, tests: u64 },
+/// A cluster that was grown again.
+pub(crate) struct Regrown {
+    /// Where its growth ended.
+    pub(crate) end: Position,
+    /// The thresholds with the same decisions.
+    pub(crate) interval: Interval,
+    /// How many distances were compared.
+    pub(crate) tests: u64,
 }
 
 impl Clusters {
@@ -78,14 +80,15 @@ impl Clusters {
         self.queue.peek().map(|Reverse(rank)| *rank as usize)
     }
 
-    /// Makes the cluster of this rank what it is at `phi`. All earlier ones must be.
+    /// Makes the cluster of this rank what it is at `phi`; `None` when its founder belongs to an earlier one. All earlier
+    /// ones must be what they are.
     pub(crate) fn repair<'g>(
         &mut self,
         place: usize,
         phi: f64,
         normals: &[Option<UncertainVector>],
         neighbours: &impl Fn(usize) -> &'g [u32],
-    ) -> Repaired {
+    ) -> Option<Regrown> {
         let disturbed = self.first_waiting() == Some(place);
         if disturbed {
             self.queue.pop();
@@ -101,7 +104,7 @@ impl Clusters {
             if let Some(cluster) = cluster {
                 self.dissolve(cluster, rank, neighbours);
             }
-            return Repaired::Nothing;
+            return None;
         };
 
         let mut cluster = cluster.or_else(|| self.spare.pop()).unwrap_or_default();
@@ -142,7 +145,7 @@ impl Clusters {
             }
         }
         (self.before, self.gained) = (before, gained);
-        Repaired::Grown { end, interval, tests: end.tests - start.tests }
+        Some(Regrown { end, interval, tests: end.tests - start.tests })
     }
 
     fn dissolve<'g>(&mut self, mut cluster: Grown, rank: u32, neighbours: &impl Fn(usize) -> &'g [u32]) {

@@ -4,7 +4,7 @@ use terrace_stats::UncertainVector;
 
 use crate::candidates::candidates;
 use crate::growth::{Position, total};
-use crate::repair::{Clusters, Repaired};
+use crate::repair::Clusters;
 use crate::segmentation::uncertainty_of;
 use crate::sums::{Sums, Term};
 use crate::{ClusterError, Interval, SeedOrder};
@@ -177,13 +177,11 @@ impl<'n, 'g, N: Fn(usize) -> &'g [u32]> Staircase<'n, N> {
                 return Ok(Outcome::GivenUp(stair));
             }
             let Some(rank) = rank else { return Ok(Outcome::Complete(self.with_known(known))) };
-            let term = match self.clusters.repair(rank, phi, self.normals, &self.neighbours) {
-                Repaired::Nothing => Term::NOTHING,
-                Repaired::Grown { end, interval, tests } => {
-                    self.tests += tests;
-                    term(&end, interval)
-                }
-            };
+            let regrown = self.clusters.repair(rank, phi, self.normals, &self.neighbours);
+            let term = regrown.map_or(Term::NOTHING, |regrown| {
+                self.tests += regrown.tests;
+                term(&regrown.end, regrown.interval)
+            });
             self.sums.set(rank, term);
             repaired = rank + 1;
         }

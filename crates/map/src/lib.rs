@@ -49,6 +49,7 @@
 mod cell_size;
 mod cost;
 mod error;
+mod estimate;
 mod extract;
 mod facing;
 mod first;
@@ -63,6 +64,8 @@ mod uncertain;
 pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError};
+
+pub use estimate::PlaneEstimate;
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;

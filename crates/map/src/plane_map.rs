@@ -3,7 +3,7 @@
 use terrace_cluster::Interval;
 use terrace_types::{Plane, PlaneId};
 
-use crate::{CellSizeChoice, Optimised, Params};
+use crate::{CellSizeChoice, Optimised, Params, PlaneEstimate};
 
 /// A plane of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,9 @@ pub struct ExtractedPlane {
     pub centroid: [f64; 3],
     /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
     pub normal_uncertainty: [f64; 3],
+    /// The plane of least variance with its covariance; `None` when the standard errors of the points are not known, or
+    /// in the paper's way of finding cells, whose points are not those of a place.
+    pub estimate: Option<PlaneEstimate>,
     /// Points in its cells.
     pub points: u64,
     /// Number of cells.

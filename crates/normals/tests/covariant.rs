@@ -157,9 +157,9 @@ fn errors_along_an_oblique_ray() {
 
 #[test]
 fn the_coefficients_vary_as_told() {
+    const RUNS: usize = 4000;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let patch = Patch::at_random([2.0, -1.0, 3.0], [0.6, 0.4], &mut rng);
-    const RUNS: usize = 4000;
     let (mut sum, mut second) = ([0.0; 4], [[0.0; 4]; 4]);
     let mut predicted = [[0.0; 4]; 4];
     for _ in 0..RUNS {
