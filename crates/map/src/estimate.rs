@@ -1,7 +1,5 @@
 //! The plane of least variance and its covariance, from the known errors of the points.
 
-use std::collections::HashSet;
-
 use terrace_grid::{VoxelGrid, VoxelKey};
 use terrace_normals::{CovariantPlane, PlaneFit};
 use terrace_stats::Stats;
@@ -77,21 +75,22 @@ impl Owned<'_> {
         of: &[u32],
         near: ([f64; 3], [f64; 3]),
     ) -> Option<CovariantPlane> {
+        let columns = self.columns(plane, of, near.1);
         let mut near = near;
         let mut estimate = None;
         for round in 0..3 {
-            let support = self.support(plane, of, near, round > 0);
-            let mut found = CovariantPlane::of_cells(support.columns.iter().map(|(_, cell)| cell)).ok()??;
-            support.take_back_cuts(&mut found, self.grid.cell_size());
+            let counts = columns.support(near, round > 0);
+            let counted = columns.columns.iter().zip(&counts).filter(|(_, counts)| **counts);
+            let mut found = CovariantPlane::of_cells(counted.map(|(column, _)| &column.sum)).ok()??;
+            columns.take_back_cuts(&counts, &mut found, self.grid.cell_size());
             near = (found.fit.centroid, found.fit.normal);
             estimate = Some(found);
         }
         estimate
     }
 
-    /// The columns that the plane rests on, in a fixed order.
-    fn support(&self, plane: PlaneId, of: &[u32], near: ([f64; 3], [f64; 3]), last: bool) -> Support {
-        let (_, normal) = near;
+    /// The columns with cells of the plane, in a fixed order.
+    fn columns(&self, plane: PlaneId, of: &[u32], normal: [f64; 3]) -> Columns {
         let axis = main_axis(normal);
         let mut keys: Vec<VoxelKey> = Vec::with_capacity(3 * of.len());
         for node in of {
@@ -106,11 +105,11 @@ impl Owned<'_> {
                 keys.push(key);
             }
         }
-        let column = |key: &VoxelKey| [key[(axis + 1) % 3], key[(axis + 2) % 3]];
-        keys.sort_unstable_by_key(|key| (column(key), key[axis]));
+        let place = |key: &VoxelKey| [key[(axis + 1) % 3], key[(axis + 2) % 3]];
+        keys.sort_unstable_by_key(|key| (place(key), key[axis]));
         keys.dedup();
-        let (mut sound, mut all, mut mixed) = (Vec::new(), HashSet::new(), HashSet::new());
-        for keys in keys.chunk_by(|a, b| column(a) == column(b)) {
+        let mut columns = Vec::new();
+        for keys in keys.chunk_by(|a, b| place(a) == place(b)) {
             let mut alone = true;
             let mut sum: Option<Stats> = None;
             for cell in keys.iter().filter_map(|key| self.grid.find(*key)) {
@@ -120,46 +119,63 @@ impl Owned<'_> {
                     .is_none_or(|of| of.is_none_or(|of| of == plane));
                 sum.get_or_insert(Stats::new(cell.centre())).merge(&cell.stats());
             }
-            let (Some(sum), Some(place)) = (sum, keys.first().map(column)) else { continue };
-            all.insert(place);
-            if alone && lies_on(&sum, near, last) {
-                sound.push((place, sum));
-            } else {
-                mixed.insert(place);
-            }
+            let (Some(sum), Some(place)) = (sum, keys.first().map(place)) else { continue };
+            columns.push(Column { place, sum, alone });
         }
-        sound.retain(|(place, _)| !around(*place).any(|near| mixed.contains(&near)));
-        Support { axis, columns: sound, all }
+        Columns { axis, columns }
     }
 }
 
-/// A column of voxels along the main axis, by its other two indices.
-type Column = [i32; 2];
-
-struct Support {
-    axis: usize,
-    /// Those that count, with the sum of their cells.
-    columns: Vec<(Column, Stats)>,
-    /// All that hold points of the plane.
-    all: HashSet<Column>,
+/// A column of voxels along the main axis.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    /// Its other two indices.
+    place: [i32; 2],
+    /// Of its cells near the plane.
+    sum: Stats,
+    /// Whether none of them is of another plane.
+    alone: bool,
 }
 
-impl Support {
+/// In rising order of their places.
+struct Columns {
+    axis: usize,
+    columns: Vec<Column>,
+}
+
+impl Columns {
+    fn find(&self, place: [i32; 2]) -> Option<usize> {
+        self.columns.binary_search_by_key(&place, |column| column.place).ok()
+    }
+
+    /// Whether each column, and those beside it, hold nothing but the plane.
+    fn support(&self, near: ([f64; 3], [f64; 3]), strict: bool) -> Vec<bool> {
+        let mut counts = vec![true; self.columns.len()];
+        // From the few that do not: the others need no look around.
+        for column in self.columns.iter().filter(|c| !(c.alone && lies_on(&c.sum, near, strict))) {
+            for beside in around(column.place).filter_map(|place| self.find(place)) {
+                counts[beside] = false;
+            }
+        }
+        counts
+    }
+
     /// Moves the plane back by what the errors carry over the borders at which the support ends and the plane does not.
-    fn take_back_cuts(&self, plane: &mut CovariantPlane, size: f64) {
-        let counted: HashSet<Column> = self.columns.iter().map(|(column, _)| *column).collect();
+    fn take_back_cuts(&self, counts: &[bool], plane: &mut CovariantPlane, size: f64) {
         let PlaneFit { centroid, normal, axes: [e1, e2], .. } = plane.fit;
         let mut pull = [0.0; 3];
-        for (column, cell) in &self.columns {
-            let noise = cell.moments().noise().rows().map(|row| dot(row, normal));
-            let along = dot(noise, normal);
-            let Some(mean) = cell.mean() else { continue };
+        for (beyond, _) in self.columns.iter().zip(counts).filter(|(_, counts)| !**counts) {
             for (side, of_side) in [1, 2].into_iter().zip([[1, 0], [0, 1]]) {
                 for sign in [-1, 1] {
-                    let beside = [0, 1].map(|i| column[i].saturating_add(sign * of_side[i]));
-                    if counted.contains(&beside) || !self.all.contains(&beside) || along <= 0.0 {
+                    // From the column that counts to the one beyond is the direction `sign`.
+                    let last = [0, 1].map(|i| beyond.place[i].saturating_sub(sign * of_side[i]));
+                    let Some(cell) = self.find(last).filter(|at| counts[*at]).map(|at| &self.columns[at].sum)
+                    else {
                         continue;
-                    }
+                    };
+                    let noise = cell.moments().noise().rows().map(|row| dot(row, normal));
+                    let along = dot(noise, normal);
+                    let Some(mean) = cell.mean().filter(|_| along > 0.0) else { continue };
                     let e = (self.axis + side) % 3;
                     // In units of the errors' variance along the normal, as the columns weigh.
                     let sum = -f64::from(sign) * cell.count() as f64 / size * noise[e] / along;
@@ -183,8 +199,8 @@ impl Support {
     }
 }
 
-/// A column and the eight beside it.
-fn around([a, b]: Column) -> impl Iterator<Item = Column> {
+/// A place and the eight beside it.
+fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
     (-1..=1).flat_map(move |x: i32| (-1..=1).map(move |y: i32| [a.saturating_add(x), b.saturating_add(y)]))
 }
 

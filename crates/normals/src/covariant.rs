@@ -1,6 +1,6 @@
 //! A plane through noisy points with the first-order covariance of its tilt and offset.
 
-use terrace_stats::{Stats, SymmetricMatrix3};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 
 use crate::fit::rounding;
 use crate::{Degenerate, PlaneFit, symmetric_eigen};
@@ -60,15 +60,13 @@ impl CovariantPlane {
     /// # Errors
     /// [`Degenerate`] for fewer than four points, points that lie on a line once their errors are taken out, and sums that
     /// are not finite.
-    pub fn of_cells<'s, I>(cells: I) -> Result<Option<Self>, Degenerate>
-    where
-        I: IntoIterator<Item = &'s Stats>,
-        I::IntoIter: Clone,
-    {
-        let cells = cells.into_iter();
-        let Some(first) = cells.clone().next() else { return Err(Degenerate::TooFew { found: 0 }) };
+    pub fn of_cells<'s>(cells: impl IntoIterator<Item = &'s Stats>) -> Result<Option<Self>, Degenerate> {
+        let mut cells = cells.into_iter().peekable();
+        let Some(first) = cells.peek() else { return Err(Degenerate::TooFew { found: 0 }) };
         let anchor = first.mean().unwrap_or(first.anchor());
-        let mut sums = Weighted::of(cells.clone(), anchor, |_| 1.0);
+        // All relative to one anchor, once.
+        let cells: Vec<Moments> = cells.map(|cell| *cell.with_anchor(anchor).moments()).collect();
+        let mut sums = Weighted::of(&cells, |_| 1.0);
         if sums.count < 4 {
             return Err(Degenerate::TooFew { found: usize::try_from(sums.count).unwrap_or(usize::MAX) });
         }
@@ -81,18 +79,19 @@ impl CovariantPlane {
         }
         // A cell without errors among others with them would weigh without end: it counts as the least noisy of them.
         let least = cells
-            .clone()
+            .iter()
             .map(|cell| variance_along(cell, fit.normal))
             .filter(|variance| *variance > 0.0)
             .fold(f64::INFINITY, f64::min);
-        let weight = |cell: &Stats, normal| 1.0 / variance_along(cell, normal).max(least);
+        let weight = |cell: &Moments, normal| 1.0 / variance_along(cell, normal).max(least);
         for _ in 0..ROUNDS {
             let normal = fit.normal;
-            sums = Weighted::of(cells.clone(), anchor, |cell| weight(cell, normal));
+            sums = Weighted::of(&cells, |cell| weight(cell, normal));
             fit = sums.fit(anchor)?;
         }
         let normal = fit.normal;
-        let tilt_offset = covariance(cells.clone(), &fit, sums.weight, |cell| weight(cell, normal));
+        let back = [0, 1, 2].map(|i| anchor[i] - fit.centroid[i]);
+        let tilt_offset = covariance(&cells, back, &fit, sums.weight, |cell| weight(cell, normal));
         let freedom = sums.count as f64 - 3.0;
         let reduced_chi_squared = sums.scatter().quadratic_form(normal).max(0.0) * sums.weight / freedom;
         Ok(Some(Self { fit, tilt_offset, reduced_chi_squared }))
@@ -125,11 +124,11 @@ impl CovariantPlane {
 }
 
 /// Mean variance of the errors of a cell's points along a direction.
-fn variance_along(cell: &Stats, direction: [f64; 3]) -> f64 {
-    cell.moments().noise().quadratic_form(direction) / cell.count().max(1) as f64
+fn variance_along(cell: &Moments, direction: [f64; 3]) -> f64 {
+    cell.noise().quadratic_form(direction) / cell.count().max(1) as f64
 }
 
-/// Sums over cells with a weight each, relative to an anchor.
+/// Sums over cells with a weight each, relative to their anchor.
 struct Weighted {
     count: u64,
     weight: f64,
@@ -139,27 +138,16 @@ struct Weighted {
 }
 
 impl Weighted {
-    fn of<'s>(
-        cells: impl Iterator<Item = &'s Stats>,
-        anchor: [f64; 3],
-        weight: impl Fn(&Stats) -> f64,
-    ) -> Self {
-        let mut sums = Self {
-            count: 0,
-            weight: 0.0,
-            sum: [0.0; 3],
-            second: SymmetricMatrix3::ZERO,
-            noise: SymmetricMatrix3::ZERO,
-        };
+    fn of(cells: &[Moments], weight: impl Fn(&Moments) -> f64) -> Self {
+        let (second, noise) = (SymmetricMatrix3::ZERO, SymmetricMatrix3::ZERO);
+        let mut sums = Self { count: 0, weight: 0.0, sum: [0.0; 3], second, noise };
         for cell in cells {
             let w = weight(cell);
-            let moments = cell.with_anchor(anchor);
-            let moments = moments.moments();
-            sums.count = sums.count.saturating_add(moments.count());
-            sums.weight += w * moments.weight();
-            sums.sum = [0, 1, 2].map(|i| sums.sum[i] + w * moments.sum()[i]);
-            sums.second += moments.second() * w;
-            sums.noise += moments.noise() * w;
+            sums.count = sums.count.saturating_add(cell.count());
+            sums.weight += w * cell.weight();
+            sums.sum = [0, 1, 2].map(|i| sums.sum[i] + w * cell.sum()[i]);
+            sums.second += cell.second() * w;
+            sums.noise += cell.noise() * w;
         }
         sums
     }
@@ -182,17 +170,18 @@ impl Weighted {
     }
 }
 
-fn covariance<'s>(
-    cells: impl Iterator<Item = &'s Stats>,
+/// `A⁻¹ B A⁻¹`. The cells are taken about the centroid of the fit, `back` from their anchor.
+fn covariance(
+    cells: &[Moments],
+    back: [f64; 3],
     fit: &PlaneFit,
     total: f64,
-    weight: impl Fn(&Stats) -> f64,
+    weight: impl Fn(&Moments) -> f64,
 ) -> SymmetricMatrix3 {
-    let PlaneFit { centroid, normal, axes, variances: [_, across, along] } = *fit;
+    let PlaneFit { normal, axes, variances: [_, across, along], .. } = *fit;
     let mut pulls = SymmetricMatrix3::ZERO;
     for cell in cells {
-        let local = cell.with_anchor(centroid);
-        let moments = local.moments();
+        let moments = cell.translated(back);
         let points = moments.count().max(1) as f64;
         let noise = moments.noise() * (1.0 / points);
         let squared = weight(cell) * weight(cell);
