@@ -158,8 +158,12 @@ fn estimate_planes(
     plane_of_node: &[Option<PlaneId>],
     params: &Params,
 ) {
-    let known = cells.nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0);
-    if !known || params.assignment != Assignment::Voxel || params.weighting != Weighting::Uniform {
+    let known = || cells.nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0);
+    if !params.estimate
+        || !known()
+        || params.assignment != Assignment::Voxel
+        || params.weighting != Weighting::Uniform
+    {
         return;
     }
     let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); planes.len()];

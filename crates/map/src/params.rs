@@ -47,6 +47,9 @@ pub struct Params {
     pub random_seeds: bool,
     /// Search for a better φ for each uncertain cluster; `None` leaves clusters as first found.
     pub optimise: Option<Optimise>,
+    /// Put beside each plane the one of least variance, with its covariance, where the standard errors of the points are
+    /// known ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)).
+    pub estimate: bool,
     /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
     /// Seed of everything random.
@@ -128,6 +131,7 @@ impl Default for Params {
             fit: FitTo::Points,
             random_seeds: false,
             optimise: Some(Optimise::default()),
+            estimate: false,
             min_cells: 5,
             seed: 0,
         }

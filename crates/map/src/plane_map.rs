@@ -17,8 +17,8 @@ pub struct ExtractedPlane {
     pub centroid: [f64; 3],
     /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
     pub normal_uncertainty: [f64; 3],
-    /// The plane of least variance with its covariance; `None` when the standard errors of the points are not known, or
-    /// in the paper's way of finding cells, whose points are not those of a place.
+    /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also when the standard
+    /// errors of the points are not known, or in the paper's way of finding cells, whose points are not those of a place.
     pub estimate: Option<PlaneEstimate>,
     /// Points in its cells.
     pub points: u64,

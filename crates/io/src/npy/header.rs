@@ -54,10 +54,10 @@ struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     fn dictionary(mut self, body: usize) -> Result<Header, NpyError> {
         let (mut descr, mut fortran, mut shape) = (None, None, None);
-        self.expect(b"{", "`{`")?;
+        self.require(b"{", "`{`")?;
         while !self.take(b"}") {
             let key = self.quoted("a quoted key or `}`")?;
-            self.expect(b":", "`:`")?;
+            self.require(b":", "`:`")?;
             match key {
                 b"descr" => descr = Some(self.quoted("a type in quotes (structured arrays are not read)")?),
                 b"fortran_order" => fortran = Some(self.truth()?),
@@ -65,7 +65,7 @@ impl<'a> Cursor<'a> {
                 _ => return Err(self.wrong("only `descr`, `fortran_order` and `shape`")),
             }
             if !self.take(b",") {
-                self.expect(b"}", "`,` or `}`")?;
+                self.require(b"}", "`,` or `}`")?;
                 break;
             }
         }
@@ -79,11 +79,11 @@ impl<'a> Cursor<'a> {
 
     fn shape(&mut self) -> Result<Vec<u64>, NpyError> {
         let mut shape = Vec::new();
-        self.expect(b"(", "`(`")?;
+        self.require(b"(", "`(`")?;
         while !self.take(b")") {
             shape.push(self.whole()?);
             if !self.take(b",") {
-                self.expect(b")", "`,` or `)`")?;
+                self.require(b")", "`,` or `)`")?;
                 break;
             }
         }
@@ -105,7 +105,7 @@ impl<'a> Cursor<'a> {
         if self.take(b"True") {
             return Ok(true);
         }
-        self.expect(b"False", "`True` or `False`")?;
+        self.require(b"False", "`True` or `False`")?;
         Ok(false)
     }
 
@@ -122,7 +122,7 @@ impl<'a> Cursor<'a> {
         Ok(inner)
     }
 
-    fn expect(&mut self, word: &[u8], expected: &'static str) -> Result<(), NpyError> {
+    fn require(&mut self, word: &[u8], expected: &'static str) -> Result<(), NpyError> {
         if self.take(word) { Ok(()) } else { Err(self.wrong(expected)) }
     }
 

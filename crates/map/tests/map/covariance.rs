@@ -3,7 +3,11 @@
 use terrace::{ExtractedPlane, Mapper, Params, PlaneEstimate, Sigma};
 use terrace_synth::{Scene, TruePlane};
 
-use crate::common::{PRESETS, angle, cloud, dot, map, rough, tenth, tenth_map};
+use crate::common::{PRESETS, angle, cloud, dot, map, rough, tenth, unknown};
+
+fn asked(params: Params) -> Params {
+    Params { estimate: true, ..params }
+}
 
 /// Squared error of tilt and offset in units of their covariance, by the three degrees of freedom.
 fn nees(found: &PlaneEstimate, truth: &TruePlane) -> f64 {
@@ -45,7 +49,7 @@ fn over_seeds(scene: &Scene, points: usize, sigma: f64, seeds: u64) -> (f64, f64
     for seed in 0..seeds {
         let params = terrace_synth::Params { points: Some(points), sigma: Some(sigma), seed };
         let made = scene.generate(&params).unwrap();
-        let mut mapper = Mapper::new(Params::default()).unwrap();
+        let mut mapper = Mapper::new(asked(Params::default())).unwrap();
         for scan in &made.scans {
             mapper.insert(&scan.scan).unwrap();
         }
@@ -72,13 +76,17 @@ fn planes_are_as_far_off_as_they_say() {
 }
 
 #[test]
-fn without_known_errors_or_in_the_papers_way_there_is_no_estimate() {
+fn unasked_without_known_errors_or_in_the_papers_way_there_is_no_estimate() {
     for preset in PRESETS {
-        assert!(tenth_map(preset, &rough(0.7)).1.planes.iter().all(|plane| plane.estimate.is_none()));
+        let unknown = map(asked(tenth(preset)), &[&unknown(&rough(0.7))]);
+        assert!(!unknown.planes.is_empty() && unknown.planes.iter().all(|plane| plane.estimate.is_none()));
     }
     let known = cloud(rough(0.7), Sigma::Uniform(1e-3));
-    assert!(map(tenth(Params::default), &[&known]).planes.iter().all(|plane| plane.estimate.is_some()));
-    assert!(map(tenth(Params::paper), &[&known]).planes.iter().all(|plane| plane.estimate.is_none()));
+    assert!(
+        map(asked(tenth(Params::default)), &[&known]).planes.iter().all(|plane| plane.estimate.is_some())
+    );
+    assert!(map(tenth(Params::default), &[&known]).planes.iter().all(|plane| plane.estimate.is_none()));
+    assert!(map(asked(tenth(Params::paper)), &[&known]).planes.iter().all(|plane| plane.estimate.is_none()));
 }
 
 /// The covariance of the coefficients is that of tilt and offset, seen from the origin.
@@ -86,7 +94,7 @@ fn without_known_errors_or_in_the_papers_way_there_is_no_estimate() {
 fn the_offset_at_the_centroid_follows_from_the_coefficients() {
     let params = terrace_synth::Params { points: Some(30_000), sigma: Some(0.004), seed: 1 };
     let made = Scene::table().generate(&params).unwrap();
-    let mut mapper = Mapper::new(Params::default()).unwrap();
+    let mut mapper = Mapper::new(asked(Params::default())).unwrap();
     mapper.insert(&made.scans[0].scan).unwrap();
     let map = mapper.extract().unwrap();
     let estimates: Vec<PlaneEstimate> = map.planes.iter().filter_map(|plane| plane.estimate).collect();
