@@ -1,8 +1,8 @@
 //! The growing map: scans in.
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
-use terrace_stats::UncertainVector;
-use terrace_types::Scan;
+use terrace_stats::{SymmetricMatrix3, UncertainVector};
+use terrace_types::{Scan, WorldPoint};
 
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting, choose_cell_size};
 
@@ -125,17 +125,14 @@ impl Mapper {
                     inserted.absent += 1;
                     None
                 }
-                Some(point) => {
-                    let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
-                    match self.add(&mut grid, &v) {
-                        Ok(cell) => Some(cell),
-                        Err(refusal) => {
-                            inserted.out_of_range += 1;
-                            inserted.first_refusal.get_or_insert(refusal);
-                            None
-                        }
+                Some(point) => match self.add(&mut grid, &point) {
+                    Ok(cell) => Some(cell),
+                    Err(refusal) => {
+                        inserted.out_of_range += 1;
+                        inserted.first_refusal.get_or_insert(refusal);
+                        None
                     }
-                }
+                },
             };
             inserted.points += usize::from(cell.is_some());
             self.cell_of_point.push(cell);
@@ -144,10 +141,12 @@ impl Mapper {
         Ok(inserted)
     }
 
-    fn add(&self, grid: &mut VoxelGrid, v: &UncertainVector) -> Result<CellId, GridError> {
-        match self.params.weighting {
-            Weighting::Uniform => grid.insert(v),
-            Weighting::Information => grid.insert_weighted(v, information(v.variance())),
+    fn add(&self, grid: &mut VoxelGrid, point: &WorldPoint) -> Result<CellId, GridError> {
+        let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
+        match (self.params.weighting, point.covariance) {
+            (Weighting::Uniform, None) => grid.insert(&v),
+            (Weighting::Uniform, Some(c)) => grid.insert_covariant(point.position, &SymmetricMatrix3(c)),
+            (Weighting::Information, _) => grid.insert_weighted(&v, information(v.variance())),
         }
     }
 }

@@ -151,6 +151,14 @@ impl Pose {
     pub fn rotate_sigma(&self, sigma: [f64; 3]) -> [f64; 3] {
         self.rotation.map(|row| (0..3).map(|j| (row[j] * sigma[j]).powi(2)).sum::<f64>().sqrt())
     }
+
+    /// A covariance `xx, xy, xz, yy, yz, zz` along the sensor's axes turned into that along the world's axes, `R C Rᵀ`.
+    pub fn rotate_covariance(&self, [xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [f64; 6] {
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        // Row i is C rᵢ.
+        let half = self.rotation.map(|axis| rows.map(|row| dot(row, axis)));
+        [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| dot(self.rotation[i], half[j]))
+    }
 }
 
 /// Of a vector whose length is near 1 already.

@@ -34,6 +34,9 @@ pub struct WorldPoint {
     pub position: [f64; 3],
     /// Standard error along each axis of the world, in metres; `None` when unknown.
     pub sigma: Option<[f64; 3]>,
+    /// The whole covariance of its error along the axes of the world, `xx, xy, xz, yy, yz, zz` in m², where errors are
+    /// given so ([`Sigma::Covariance`]); `None` where the errors along the axes are independent, or unknown.
+    pub covariance: Option<[f64; 6]>,
 }
 
 /// Why a scan was refused.
@@ -116,13 +119,23 @@ impl Scan {
             return None;
         }
         let sigma = self.sigma.of(index);
-        Some(match (self.frame, &self.sigma) {
-            (Frame::World { .. }, _) => WorldPoint { position: point, sigma },
-            (Frame::Sensor { pose }, Sigma::PerAxis(_)) => {
-                WorldPoint { position: pose.transform(point), sigma: sigma.map(|s| pose.rotate_sigma(s)) }
+        let covariance = self.sigma.covariance_of(index);
+        let Frame::Sensor { pose } = self.frame else {
+            return Some(WorldPoint { position: point, sigma, covariance });
+        };
+        let position = pose.transform(point);
+        Some(match (covariance, &self.sigma) {
+            (Some(covariance), _) => {
+                let turned = pose.rotate_covariance(covariance);
+                // Rounding may leave a variance of zero a little below it.
+                let sigma = [turned[0], turned[3], turned[5]].map(|variance| variance.max(0.0).sqrt());
+                WorldPoint { position, sigma: Some(sigma), covariance: Some(turned) }
+            }
+            (None, Sigma::PerAxis(_)) => {
+                WorldPoint { position, sigma: sigma.map(|s| pose.rotate_sigma(s)), covariance }
             }
             // An error that is the same along every axis is the same in every frame, to the last bit.
-            (Frame::Sensor { pose }, _) => WorldPoint { position: pose.transform(point), sigma },
+            (None, _) => WorldPoint { position, sigma, covariance },
         })
     }
 

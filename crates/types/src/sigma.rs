@@ -15,6 +15,8 @@ pub enum Sigma {
     PerPoint(Vec<f64>),
     /// σ along x, y and z for each point.
     PerAxis(Vec<[f64; 3]>),
+    /// The covariance of each point in m², `xx, xy, xz, yy, yz, zz`: errors along a ray, say.
+    Covariance(Vec<[f64; 6]>),
 }
 
 /// Why standard errors were refused.
@@ -36,12 +38,38 @@ pub enum SigmaError {
         /// Number of points.
         points: usize,
     },
+    /// A covariance is not finite, or not positive semidefinite: some combination of errors would have a negative
+    /// variance.
+    #[error(
+        "the covariance {entries:?} of point {point} (xx, xy, xz, yy, yz, zz) is not finite and positive semidefinite"
+    )]
+    NotACovariance {
+        /// Index of the point.
+        point: usize,
+        /// The entries found.
+        entries: [f64; 6],
+    },
 }
+
+/// What rounding may leave of a determinant that is zero, as a share of the variances in it.
+const ROUNDING: f64 = 1e-9;
 
 impl Sigma {
     /// Whether `value` can be a standard error: finite and not negative.
     pub fn is_valid(value: f64) -> bool {
         value.is_finite() && value >= 0.0
+    }
+
+    /// Whether these entries `xx, xy, xz, yy, yz, zz` can be a covariance: finite and, up to rounding, positive
+    /// semidefinite.
+    pub fn is_valid_covariance([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> bool {
+        let at_least_zero = |minor: f64, of: f64| minor >= -ROUNDING * of;
+        let minors = [(xx * yy, xy), (yy * zz, yz), (xx * zz, xz)];
+        let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+        [xx, xy, xz, yy, yz, zz].iter().all(|x| x.is_finite())
+            && xx.min(yy).min(zz) >= 0.0
+            && minors.into_iter().all(|(product, off)| at_least_zero(product - off * off, product))
+            && at_least_zero(determinant, xx * yy * zz)
     }
 
     /// The standard error of the point at `index` along each axis; `None` when errors are unknown, and beyond the end.
@@ -51,6 +79,16 @@ impl Sigma {
             Self::Uniform(sigma) => Some([*sigma; 3]),
             Self::PerPoint(sigmas) => sigmas.get(index).map(|s| [*s; 3]),
             Self::PerAxis(sigmas) => sigmas.get(index).copied(),
+            Self::Covariance(all) => all.get(index).map(|c| [c[0], c[3], c[5]].map(f64::sqrt)),
+        }
+    }
+
+    /// The covariance of the point at `index`, `xx, xy, xz, yy, yz, zz` in m²; `None` when errors are unknown or given as
+    /// standard errors, and beyond the end.
+    pub fn covariance_of(&self, index: usize) -> Option<[f64; 6]> {
+        match self {
+            Self::Covariance(all) => all.get(index).copied(),
+            _ => None,
         }
     }
 
@@ -62,12 +100,19 @@ impl Sigma {
             Self::Uniform(value) => return Err(SigmaError::NotAStandardError { point: 0, value: *value }),
             Self::PerPoint(sigmas) => sigmas.len(),
             Self::PerAxis(sigmas) => sigmas.len(),
+            Self::Covariance(all) => all.len(),
         };
         if count != points.len() {
             return Err(SigmaError::CountMismatch { sigmas: count, points: points.len() });
         }
         for (point, position) in points.iter().enumerate() {
             if !position.iter().all(|x| x.is_finite()) {
+                continue;
+            }
+            if let Some(entries) = self.covariance_of(point) {
+                if !Self::is_valid_covariance(entries) {
+                    return Err(SigmaError::NotACovariance { point, entries });
+                }
                 continue;
             }
             if let Some(value) = self.of(point).and_then(|s| s.into_iter().find(|v| !Self::is_valid(*v))) {

@@ -89,6 +89,33 @@ fn a_bad_error_of_a_present_point_is_refused() {
 }
 
 #[test]
+fn a_bad_covariance_of_a_present_point_is_refused() {
+    let scan = |entries: [f64; 6], x: f64| {
+        let sigma = Sigma::Covariance(vec![[0.0; 6], entries]);
+        Scan::new(vec![[0.0; 3], [x; 3]], sigma, Frame::World { sensor: None })
+    };
+    for bad in [
+        [f64::NAN, 0.0, 0.0, 1.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0, f64::INFINITY, 0.0, 1.0],
+        [1.0, 0.0, 0.0, 1.0, 0.0, -1e-9],
+        [1.0, 1.1, 0.0, 1.0, 0.0, 1.0],
+        // Each pair of axes could be, all three cannot.
+        [1.0, -0.9, -0.9, 1.0, -0.9, 1.0],
+    ] {
+        let error = scan(bad, 1.0).unwrap_err();
+        assert!(matches!(error, ScanError::Sigma(SigmaError::NotACovariance { point: 1, .. })), "{error}");
+        assert!(scan(bad, f64::NAN).is_ok());
+    }
+    assert!(scan([0.0; 6], 1.0).is_ok());
+    assert_eq!(
+        scan([4.0, 0.0, 0.0, 9.0, 0.0, 1.0], 1.0).unwrap().world_point(1).unwrap().sigma,
+        Some([2.0, 3.0, 1.0])
+    );
+    let few = Scan::new(vec![[0.0; 3]], Sigma::Covariance(vec![]), Frame::World { sensor: None });
+    assert_eq!(few, Err(ScanError::Sigma(SigmaError::CountMismatch { sigmas: 0, points: 1 })));
+}
+
+#[test]
 fn a_bad_error_of_an_absent_point_is_tolerated() {
     let points = vec![[NAN; 3], [0.0; 3]];
     for bad in [-1.0, NAN, INF] {

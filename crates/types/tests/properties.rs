@@ -234,3 +234,43 @@ fn a_plane_by_hand() {
     assert!(plane.coefficients().iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15));
     assert!((plane.signed_distance([0.0; 3]) + 7.0).abs() < 1e-15);
 }
+
+/// `M Mᵀ`: any covariance.
+fn covariance() -> impl Strategy<Value = Matrix> {
+    prop::array::uniform3(vector(0.1)).prop_map(|m| product(m, transpose(m)))
+}
+
+fn entries(m: Matrix) -> [f64; 6] {
+    [m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]]
+}
+
+proptest! {
+    #[test]
+    fn a_covariance_turns_with_the_pose(pose in pose(), c in covariance(), p in vector(10.0)) {
+        let expected = entries(product(product(pose.rotation(), c), transpose(pose.rotation())));
+        let scan = Scan::new(vec![p], Sigma::Covariance(vec![entries(c)]), Frame::Sensor { pose }).unwrap();
+        let point = scan.world_point(0).unwrap();
+        let (found, sigma) = (point.covariance.unwrap(), point.sigma.unwrap());
+        for i in 0..6 {
+            prop_assert!((found[i] - expected[i]).abs() < 1e-15);
+        }
+        for (sigma, variance) in sigma.into_iter().zip([found[0], found[3], found[5]]) {
+            prop_assert!((sigma - variance.sqrt()).abs() < 1e-15);
+        }
+        let in_world = Scan::new(vec![p], scan.sigma().clone(), Frame::World { sensor: None }).unwrap();
+        prop_assert_eq!(in_world.world_point(0).unwrap().covariance, Some(entries(c)));
+    }
+
+    #[test]
+    fn a_covariance_is_let_in_and_one_with_a_negative_variance_is_not(c in covariance(), v in direction()) {
+        prop_assert!(Sigma::is_valid_covariance(entries(c)));
+        // A rank of one has determinants that are zero but for rounding.
+        let ray = [0, 1, 2].map(|i| v.map(|x| v[i] * x));
+        prop_assert!(Sigma::is_valid_covariance(entries(ray)));
+        let below = [0, 1, 2].map(|i| [0, 1, 2].map(|j| {
+            let unit = f64::from(u8::from(i == j));
+            ray[i][j] - 1e-3 * dot(v, v) * unit
+        }));
+        prop_assert!(!Sigma::is_valid_covariance(entries(below)));
+    }
+}

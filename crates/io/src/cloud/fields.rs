@@ -148,7 +148,8 @@ impl Rows {
         match &mut self.sigmas {
             Sigma::PerPoint(sigmas) => sigmas.push(self.sigma[0]),
             Sigma::PerAxis(sigmas) => sigmas.push(self.sigma),
-            Sigma::Unknown | Sigma::Uniform(_) => {}
+            // No field holds one error for all points, or a covariance.
+            Sigma::Unknown | Sigma::Uniform(_) | Sigma::Covariance(_) => {}
         }
     }
 
