@@ -39,6 +39,9 @@ pub enum InsertError {
         /// Index of the point within the scan.
         point: usize,
     },
+    /// The pose is said to be uncertain, and it is not known where the sensor stood.
+    #[error("the error of a pose moves points about the sensor, and it is not known where that stood")]
+    NoSensor,
     /// The cell size chosen is refused by the grid.
     #[error(transparent)]
     Grid(#[from] GridError),

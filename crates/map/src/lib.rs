@@ -76,6 +76,7 @@ pub use uncertain::{UncertainCluster, UncertainClusters};
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_crs::{Minimum, Source, StopReason, Trial};
 pub use terrace_grid::{Assignment, Connectivity};
+pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 

@@ -1,6 +1,7 @@
 //! The growing map: scans in.
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
+use terrace_noise::PoseNoise;
 use terrace_stats::{SymmetricMatrix3, UncertainVector};
 use terrace_types::{Scan, WorldPoint};
 
@@ -23,6 +24,8 @@ pub struct Mapper {
 pub(crate) struct View {
     pub(crate) points: usize,
     pub(crate) sensor: Option<[f64; 3]>,
+    /// How sure its pose is.
+    pub(crate) pose: Option<PoseNoise>,
 }
 
 /// What became of the points of a scan.
@@ -99,6 +102,18 @@ impl Mapper {
     /// scan; when points are to be weighted by information and one has no standard error to weight it by. Single points
     /// that the grid refuses are left out and counted, see [`Inserted`].
     pub fn insert(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
+        self.insert_from(scan, None)
+    }
+
+    /// Adds the points of a scan whose pose is only known to within `pose`. All its points share that error: it goes into
+    /// the covariances of planes once for the scan. `None` is a pose without error.
+    ///
+    /// # Errors
+    /// As [`Mapper::insert`], and [`InsertError::NoSensor`] when it is not known where the sensor stood.
+    pub fn insert_from(&mut self, scan: &Scan, pose: Option<PoseNoise>) -> Result<Inserted, InsertError> {
+        if pose.is_some() && scan.sensor_position().is_none() {
+            return Err(InsertError::NoSensor);
+        }
         if self.params.weighting == Weighting::Information {
             require_errors(scan)?;
         }
@@ -117,7 +132,7 @@ impl Mapper {
         };
         self.chosen = choice;
         let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
-        self.views.push(View { points: scan.len(), sensor: scan.sensor_position() });
+        self.views.push(View { points: scan.len(), sensor: scan.sensor_position(), pose });
         self.cell_of_point.reserve(scan.len());
         for point in scan.world_points() {
             let cell = match point {
