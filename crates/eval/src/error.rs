@@ -20,4 +20,10 @@ pub enum EvalError {
         /// The IoU asked for.
         at_iou: f64,
     },
+    /// At or below one half a plane may be part of several others; above 1 of none.
+    #[error("planes are the same at a share of {share}, it must be above 0.5 and at most 1")]
+    Share {
+        /// The share asked for.
+        share: f64,
+    },
 }
