@@ -6,6 +6,9 @@ use crate::shape::{Cylinder, Rectangle, Shape, Sphere};
 use crate::vector::Vec3;
 use terrace_types::{Plane, PlaneId, Pose};
 
+/// The noise of a scene without sensor, in metres.
+const WHITE_NOISE: [f64; 2] = [0.01; 2];
+
 /// A surface and the true plane it belongs to.
 #[derive(Debug, Clone)]
 pub(crate) struct Surface {
@@ -29,8 +32,14 @@ impl Builder {
                 planes: Vec::new(),
                 views: Vec::new(),
                 placement: Pose::IDENTITY,
+                white_noise: WHITE_NOISE,
             },
         }
+    }
+
+    /// The noise of a scene without sensor: see [`Scene`].
+    pub(crate) fn white_noise(&mut self, sigmas: [f64; 2]) {
+        self.scene.white_noise = sigmas;
     }
 
     /// A true plane, made of one or more coplanar rectangles; its normal is that of the first.

@@ -51,9 +51,6 @@ pub struct Chunks<'a> {
     areas: Vec<(f64, &'a Rectangle, Option<PlaneId>)>,
 }
 
-/// The noise of a scene without sensor, in metres.
-const WHITE_NOISE: f64 = 0.01;
-
 /// One measurement, in the frame of its scan.
 struct Measured {
     position: Vec3,
@@ -127,13 +124,15 @@ impl<'a> Chunks<'a> {
 
     /// A point spread evenly over the rectangles of the scene, with noise along every axis.
     fn on_the_area(&mut self) -> Measured {
-        let sigma = self.sigma.unwrap_or(WHITE_NOISE);
         let total = self.areas.last().map_or(0.0, |(sum, ..)| *sum);
         loop {
             let at = total * self.rng.random::<f64>();
             let place = self.areas.partition_point(|(sum, ..)| *sum <= at);
             if let Some((_, part, plane)) = self.areas.get(place).copied() {
-                let truth = part.at(self.rng.random(), self.rng.random());
+                let shares: [f64; 2] = [self.rng.random(), self.rng.random()];
+                let truth = part.at(shares[0], shares[1]);
+                let [start, end] = self.scene.white_noise;
+                let sigma = self.sigma.unwrap_or(start + shares[0] * (end - start));
                 let noise = [0; 3].map(|_| self.gauss.sample(&mut self.rng));
                 let position = self.scene.placement.transform(add_scaled(truth, sigma, noise));
                 return Measured { position, sigma, plane, truth };

@@ -62,16 +62,25 @@
 
 mod build;
 mod chunks;
+mod draws;
+mod factor;
 mod gauss;
+mod merge;
+mod misplaced;
 mod params;
+mod perturb;
 mod scene;
 mod scenes;
 mod sensor;
 mod shape;
+mod stated;
 mod synthetic;
 mod vector;
 
 pub use chunks::{Chunk, Chunks};
+pub use misplaced::{MisplacedError, PoseOffset, misplaced};
 pub use params::{MAX_POINTS, MAX_SIGMA, Params, SynthError};
+pub use perturb::perturbed;
 pub use scene::{Scene, SceneKind, ScenePlane, UnknownScene};
+pub use stated::{StatedError, stated};
 pub use synthetic::{LabelledScan, Synthetic, TruePlane};

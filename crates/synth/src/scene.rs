@@ -4,7 +4,7 @@ use crate::build::Surface;
 use crate::chunks::Chunks;
 use crate::params::{Params, SynthError};
 use crate::scenes;
-use crate::sensor::View;
+use crate::sensor::{Sensor, View};
 use crate::shape::Ray;
 use crate::synthetic::Synthetic;
 use std::str::FromStr;
@@ -17,6 +17,10 @@ pub enum SceneKind {
     Table,
     /// A board on two panels, aligned with the axes, under white noise.
     Desk,
+    /// A narrow plane under white noise.
+    Strip,
+    /// A square plane whose noise grows along one side.
+    Patch,
     /// A furnished room seen by a depth camera from fourteen places.
     Room,
     /// A corridor with a bend, scanned by a lidar that moves along it.
@@ -25,13 +29,16 @@ pub enum SceneKind {
 
 impl SceneKind {
     /// All scenes, in the order of their declaration.
-    pub const ALL: [Self; 4] = [Self::Table, Self::Desk, Self::Room, Self::Corridor];
+    pub const ALL: [Self; 6] =
+        [Self::Table, Self::Desk, Self::Strip, Self::Patch, Self::Room, Self::Corridor];
 
     /// The name by which [`FromStr`] finds it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Table => "table",
             Self::Desk => "desk",
+            Self::Strip => "strip",
+            Self::Patch => "patch",
             Self::Room => "room",
             Self::Corridor => "corridor",
         }
@@ -41,6 +48,8 @@ impl SceneKind {
     pub fn default_points(self) -> usize {
         match self {
             Self::Table | Self::Desk => 30_000,
+            Self::Strip => 5_000,
+            Self::Patch => 10_000,
             Self::Room => 300_000,
             Self::Corridor => 400_000,
         }
@@ -55,7 +64,7 @@ impl std::fmt::Display for SceneKind {
 
 /// There is no scene of this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no scene {name:?}; there are table, desk, room and corridor")]
+#[error("there is no scene {name:?}; there are table, desk, strip, patch, room and corridor")]
 pub struct UnknownScene {
     /// The name as given.
     pub name: String,
@@ -94,6 +103,9 @@ pub struct Scene {
     pub(crate) views: Vec<View>,
     /// From the building to the world.
     pub(crate) placement: Pose,
+    /// Where there is no sensor: the standard error in metres at the start and at the end of the first side of every
+    /// rectangle, and evenly between them.
+    pub(crate) white_noise: [f64; 2],
 }
 
 /// Where a ray ends.
@@ -109,6 +121,8 @@ impl Scene {
         match kind {
             SceneKind::Table => Self::table(),
             SceneKind::Desk => Self::desk(),
+            SceneKind::Strip => Self::strip(),
+            SceneKind::Patch => Self::patch(),
             SceneKind::Room => Self::room(),
             SceneKind::Corridor => Self::corridor(),
         }
@@ -125,6 +139,18 @@ impl Scene {
     /// its ends: two orientations only, both along an axis. Points and noise as for [`Scene::table`].
     pub fn desk() -> Self {
         scenes::desk()
+    }
+
+    /// One plane of 0.9 × 0.3 m, 1.5 m from the origin and seen from there at a slant; neither it nor a side of it is
+    /// parallel to an axis. Points and noise as for [`Scene::table`].
+    pub fn strip() -> Self {
+        scenes::strip()
+    }
+
+    /// One plane of 0.6 × 0.6 m at the place of [`Scene::strip`]. Points as for [`Scene::table`]; the noise is the same
+    /// along every axis and, unless chosen, grows evenly along one side from 1 mm to 12 mm.
+    pub fn patch() -> Self {
+        scenes::patch()
     }
 
     /// A room of 5 × 4 × 2.6 m with a door recessed by 6 cm, two tables, a sideboard, a board that leans at a wall, a
@@ -147,6 +173,15 @@ impl Scene {
     /// The true planes, by identity.
     pub fn planes(&self) -> &[ScenePlane] {
         &self.planes
+    }
+
+    /// The optical axis in the frame of the scene's sensor: +z of a depth camera. `None` for a lidar, which has none, and
+    /// for scenes without a sensor.
+    pub fn optical_axis(&self) -> Option<[f64; 3]> {
+        match self.views.first()?.sensor {
+            Sensor::Camera => Some([0.0, 0.0, 1.0]),
+            Sensor::Lidar => None,
+        }
     }
 
     /// The same scene moved rigidly: `world = pose · old world`. Points in the sensors' frames stay the same to the

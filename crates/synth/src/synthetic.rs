@@ -1,5 +1,6 @@
 //! What a scan of a scene yields.
 
+use crate::merge::{errors_in_world, per_point};
 use terrace_types::{Frame, Plane, PlaneId, Scan, Sigma};
 
 /// A scan whose points know their planes.
@@ -41,32 +42,27 @@ impl Synthetic {
         self.scans.iter().map(|s| s.labels.len()).sum()
     }
 
-    /// All scans as one, in the world: the points where their poses put them, in order, with their errors. Which sensor
-    /// saw a point is lost.
+    /// All scans as one, in the world: the points where their poses put them, in order. Which sensor saw a point is lost.
+    ///
+    /// Points keep their errors along the axes of the world: covariances where any scan has covariances, standard errors
+    /// per axis where any has those. They are unknown where those of any scan are.
     pub fn merged(&self) -> LabelledScan {
-        let mut points = Vec::with_capacity(self.points());
-        let mut sigmas = Vec::with_capacity(self.points());
-        for LabelledScan { scan, .. } in &self.scans {
-            for p in scan.world_points() {
-                points.push(p.map_or([f64::NAN; 3], |p| p.position));
-                // Errors of synthetic scans are the same along all axes.
-                sigmas.push(p.and_then(|p| p.sigma).map_or(0.0, |s| s[0]));
-            }
-        }
+        let points = self.scans.iter().flat_map(|s| s.scan.world_points());
+        let points = points.map(|p| p.map_or([f64::NAN; 3], |p| p.position)).collect();
         let labels = self.scans.iter().flat_map(|s| s.labels.iter().copied()).collect();
-        LabelledScan { scan: scan(points, sigmas, Frame::World { sensor: None }), labels }
+        let scan = fitting(points, errors_in_world(&self.scans), Frame::World { sensor: None });
+        LabelledScan { scan, labels }
     }
 }
 
 /// A scan of generated points; equal errors become one.
-#[expect(
-    clippy::expect_used,
-    reason = "the errors are as many as the points and were checked with the parameters"
-)]
 pub(crate) fn scan(points: Vec<[f64; 3]>, sigmas: Vec<f64>, frame: Frame) -> Scan {
-    let sigma = match sigmas.first() {
-        Some(first) if sigmas.iter().all(|s| s.to_bits() == first.to_bits()) => Sigma::Uniform(*first),
-        _ => Sigma::PerPoint(sigmas),
-    };
-    Scan::new(points, sigma, frame).expect("generated errors fit generated points")
+    fitting(points, per_point(sigmas), frame)
+}
+
+/// A scan of points and errors that are known to fit each other: generated ones, those of another scan, and those that
+/// were checked where they were turned.
+#[expect(clippy::expect_used, reason = "see above")]
+pub(crate) fn fitting(points: Vec<[f64; 3]>, sigma: Sigma, frame: Frame) -> Scan {
+    Scan::new(points, sigma, frame).expect("the errors fit the points")
 }

@@ -1,11 +1,13 @@
-//! The buildings, one file each. Lengths in metres.
+//! The buildings. Lengths in metres.
 
 mod corridor;
 mod desk;
+mod flat;
 mod room;
 mod table;
 
 pub(crate) use corridor::corridor;
 pub(crate) use desk::desk;
+pub(crate) use flat::{patch, strip};
 pub(crate) use room::room;
 pub(crate) use table::table;
