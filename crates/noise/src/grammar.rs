@@ -7,7 +7,7 @@ use crate::keys::{number, numbers, values};
 use crate::parameter::deviation;
 use crate::{Kinect, Lidar, ParameterError, PerAxis, SensorNoise, Stereo, StereoParameters, Uniform};
 
-/// Why a text names no noise model.
+/// Why a text names no noise model, or no noise of a pose.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParseNoiseError {
     /// There is no such model.
@@ -69,6 +69,14 @@ pub enum ParseNoiseError {
         /// What may stand there.
         allowed: &'static str,
     },
+    /// The standard deviations of a pose are not two.
+    #[error(
+        "'{found}' is not T,R: metres, and a rotation with deg, mrad or rad behind it, such as 0.02,0.3deg"
+    )]
+    NotAPoseSigma {
+        /// The text.
+        found: String,
+    },
     /// A number is out of its bounds.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -116,7 +124,7 @@ fn stereo(text: &str) -> Result<Stereo, ParseNoiseError> {
 fn lidar(text: &str) -> Result<Lidar, ParseNoiseError> {
     let keys = values("lidar", ["range", "angle", "proportional"], text)?;
     let range = number("range", keys.required("range")?)?;
-    let lidar = Lidar::from_radians(range, angle(keys.required("angle")?)?)?;
+    let lidar = Lidar::from_radians(range, angle("angle", keys.required("angle")?)?)?;
     match keys.get("proportional") {
         Some(proportional) => Ok(lidar.with_proportional(number("proportional", proportional)?)?),
         None => Ok(lidar),
@@ -124,22 +132,27 @@ fn lidar(text: &str) -> Result<Lidar, ParseNoiseError> {
 }
 
 /// An angle in radians from a number with `deg`, `mrad`, `rad` or nothing behind it.
-fn angle(text: &str) -> Result<f64, ParseNoiseError> {
+pub(crate) fn angle(name: &'static str, text: &str) -> Result<f64, ParseNoiseError> {
     let value = |digits: &str| {
         digits.trim().parse::<f64>().map_err(|_| ParseNoiseError::NotANumber {
-            name: "angle",
+            name,
             found: text.to_owned(),
             allowed: "a number with deg, mrad or rad behind it (radians without)",
         })
     };
     // Checked here too, so that an error names the value as it stands. "mrad" ends in "rad" too.
     if let Some(degrees) = text.strip_suffix("deg") {
-        Ok(deviation("angle", value(degrees)?)?.to_radians())
+        Ok(deviation(name, value(degrees)?)?.to_radians())
     } else if let Some(thousandths) = text.strip_suffix("mrad") {
-        Ok(deviation("angle", value(thousandths)?)? / 1000.0)
+        Ok(deviation(name, value(thousandths)?)? / 1000.0)
     } else {
         value(text.strip_suffix("rad").unwrap_or(text))
     }
+}
+
+/// Whether a unit of an angle stands behind a number.
+pub(crate) fn has_unit(text: &str) -> bool {
+    text.ends_with("deg") || text.ends_with("rad")
 }
 
 impl fmt::Display for SensorNoise {

@@ -73,7 +73,9 @@ impl Kinect {
     /// from its edge is not seen.
     pub fn axial(&self, z: f64, incidence: Option<f64>) -> Option<f64> {
         let ratio = ratio(z, incidence)?;
-        finite(0.0012 + 0.0019 * (z - 0.4) * (z - 0.4) + 0.0001 / z.sqrt() * ratio * ratio)
+        let in_front = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
+        // Without a ratio the slow root is of nothing.
+        finite(if ratio > 0.0 { in_front + 0.0001 / z.sqrt() * ratio * ratio } else { in_front })
     }
 
     /// The standard deviation, in metres, in each direction across the optical axis. `None` as for

@@ -20,7 +20,8 @@
 //! * [`SensorNoise`]: one of the models below, and the texts that name it.
 //! * [`Sight`]: how the sensor saw a point: ray and range, and when known optical axis and incidence angle.
 //! * [`ScanNoise`]: a model for all points of a scan, one after the other.
-//! * [`CommonNoise`], [`PoseNoise`], [`jacobian`]: errors that all points of a scan share.
+//! * [`CommonNoise`], [`PoseNoise`], [`jacobian`]: errors that all points of a scan share; [`PoseSigma`], a pose's as
+//!   text.
 //!
 //! # The models
 //!
@@ -78,6 +79,7 @@ mod parameter;
 mod per_axis;
 mod point_noise;
 mod pose_noise;
+mod pose_sigma;
 mod scan_noise;
 mod semidefinite;
 mod sensor_noise;
@@ -95,6 +97,7 @@ pub use parameter::ParameterError;
 pub use per_axis::PerAxis;
 pub use point_noise::PointNoise;
 pub use pose_noise::{PoseNoise, PoseNoiseError, jacobian};
+pub use pose_sigma::PoseSigma;
 pub use scan_noise::{ScanNoise, ScanNoiseError};
 pub use sensor_noise::SensorNoise;
 pub use sight::Sight;

@@ -111,13 +111,17 @@ impl PoseNoise {
     /// # Errors
     /// [`ParameterError`] when one is negative or not finite.
     pub fn from_radians(translation: f64, rotation: f64) -> Result<Self, ParameterError> {
-        let (t, r) = (deviation("translation", translation)?, deviation("rotation", rotation)?);
+        Ok(Self::of_deviations(deviation("translation", translation)?, deviation("rotation", rotation)?))
+    }
+
+    /// As [`from_radians`](Self::from_radians), of what was checked.
+    pub(crate) fn of_deviations(t: f64, r: f64) -> Self {
         let variances = [t, t, t, r, r, r].map(|sigma| sigma * sigma);
         let mut covariance = [[0.0; 6]; 6];
         for (i, variance) in variances.into_iter().enumerate() {
             covariance[i][i] = variance;
         }
-        Ok(Self { covariance })
+        Self { covariance }
     }
 
     /// As [`from_radians`](Self::from_radians), with the rotation in degrees.

@@ -35,6 +35,15 @@ fn the_kinect_along_the_ray() {
 }
 
 #[test]
+fn without_an_incidence_the_kinect_is_the_quadratic_alone_to_the_last_bit() {
+    for millimetres in 1..=u16::MAX {
+        let z = f64::from(millimetres) / 1000.0;
+        let quadratic = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
+        assert_eq!(Kinect::default().axial(z, None).unwrap().to_bits(), quadratic.to_bits(), "{z}");
+    }
+}
+
+#[test]
 fn the_kinect_across_the_ray() {
     let kinect = Kinect::from_focal_pixels(500.0).unwrap();
     for (z, incidence, pixels) in [

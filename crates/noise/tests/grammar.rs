@@ -3,7 +3,9 @@
 // Values are read exactly; a test has no caller to report to.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
-use terrace_noise::{Kinect, Lidar, PerAxis, SensorNoise, Stereo, StereoParameters, Uniform};
+use terrace_noise::{
+    Kinect, Lidar, PerAxis, PoseNoise, PoseSigma, SensorNoise, Stereo, StereoParameters, Uniform,
+};
 
 fn read(text: &str) -> SensorNoise {
     text.parse().unwrap()
@@ -101,5 +103,37 @@ fn errors_name_the_key_and_the_value_and_what_is_allowed() {
         for part in parts {
             assert!(message.contains(part), "{text:?} says {message:?} without {part:?}");
         }
+    }
+}
+
+#[test]
+fn standard_deviations_of_a_pose() {
+    let read = |text: &str| text.parse::<PoseSigma>().unwrap();
+    let sigma = read("0.02,0.3deg");
+    assert_eq!((sigma.translation(), sigma.rotation()), (0.02, 0.3_f64.to_radians()));
+    assert_eq!(read(" 0.02 , 5 mrad ").rotation(), 0.005);
+    assert_eq!(read("0,0rad").rotation(), 0.0);
+    for sigma in [sigma, read("0.1,0.7mrad")] {
+        assert_eq!(read(&sigma.to_string()), sigma);
+    }
+    assert_eq!(PoseNoise::from(sigma), PoseNoise::from_degrees(0.02, 0.3).unwrap());
+}
+
+#[test]
+fn what_is_no_standard_deviation_of_a_pose() {
+    let message = |text: &str| text.parse::<PoseSigma>().unwrap_err().to_string();
+    for (text, told) in [
+        ("", "T,R"),
+        ("0.02", "'0.02' is not T,R"),
+        ("0.02,0.3deg,1", "T,R"),
+        ("0.02,0.3", "rotation is '0.3'; allowed is a number with deg, mrad or rad"),
+        ("0.02,deg", "rotation is 'deg'"),
+        ("wide,0.3deg", "translation is 'wide'"),
+        ("-0.02,0.3deg", "translation is -0.02"),
+        ("0.02,-0.3deg", "rotation is -0.3"),
+        ("0.02,infrad", "rotation is inf"),
+        ("nan,1mrad", "translation is NaN"),
+    ] {
+        assert!(message(text).contains(told), "{text}: {}", message(text));
     }
 }
