@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::eval_args::EvalArgs;
+
 /// Finds the planes of 3D scans and says how sure it is of the orientation of each.
 #[derive(Debug, Parser)]
 #[command(
@@ -27,6 +29,8 @@ pub enum Command {
     Extract(Box<ExtractArgs>),
     /// Search the settings that suit scans best: cell size, depth, tau, omega and phi at once
     Tune(Box<TuneArgs>),
+    /// Compare found labels with true ones: precision, recall, overlap, planes split and merged, angles
+    Eval(EvalArgs),
     /// Make a synthetic scan of a scene with known planes
     Synth(SynthArgs),
     /// Tell what files hold: format, points, bounds, spacing, absent points

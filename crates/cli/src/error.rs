@@ -56,6 +56,14 @@ pub enum CliError {
         /// What is wrong with it.
         reason: String,
     },
+    /// Pairs of labelings could not be compared; each was reported.
+    #[error("{failed} of {pairs} pairs could not be compared")]
+    EvalPairs {
+        /// Number of these.
+        failed: usize,
+        /// Number of all.
+        pairs: usize,
+    },
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] terrace_io::WriteError),

@@ -5,6 +5,7 @@
 mod args;
 mod commands;
 mod error;
+mod eval_args;
 mod picture;
 mod progress;
 mod report;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome = match &cli.command {
         Command::Extract(args) => commands::extract::run(args),
+        Command::Eval(args) => commands::eval::run(args),
         Command::Synth(args) => commands::synth::run(args),
         Command::Info(args) => commands::info::run(args),
         Command::Tune(args) => commands::tune::run(args),
