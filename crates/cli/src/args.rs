@@ -405,6 +405,10 @@ pub enum Scene {
     Table,
     /// The paper's table-like structure: a board on two panels, along the axes, white noise
     Desk,
+    /// One narrow plane of 0.9 x 0.3 m, white noise
+    Strip,
+    /// One plane of 0.6 x 0.6 m whose noise grows along a side from 1 to 12 mm
+    Patch,
     /// A furnished room seen by a depth camera from fourteen places
     Room,
     /// A corridor with a bend scanned by a lidar

@@ -16,6 +16,8 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     let scene = match args.scene {
         args::Scene::Table => Scene::table(),
         args::Scene::Desk => Scene::desk(),
+        args::Scene::Strip => Scene::strip(),
+        args::Scene::Patch => Scene::patch(),
         args::Scene::Room => Scene::room(),
         args::Scene::Corridor => Scene::corridor(),
     };
