@@ -6,7 +6,7 @@ use crate::sensor::yaw_pitch_roll;
 use crate::shape::Rectangle;
 
 /// The middle before the turn, 1.5 m from the origin and off the normal, so that it is seen at a slant; after it the
-/// middle is within 13° of +z.
+/// middle is within 15° of +z.
 const MIDDLE: [f64; 3] = [-0.4, 0.2, 1.43];
 
 pub(crate) fn strip() -> Scene {
