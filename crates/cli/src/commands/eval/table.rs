@@ -31,8 +31,7 @@ const PLANES: [Column; 13] = [
 ];
 
 /// What stands above the columns of [`PLANES`].
-const GROUPS: &str =
-    "           planes            IoU above 0.5             IoU above 0.8      planes at 80 % of points\n";
+const GROUPS: &str = "             planes              IoU above 0.5              IoU above 0.8                       at 80 % of points\n";
 
 const POINTS: [Column; 9] = [
     ("wcov", "weighted_cover", Unit::Share),
