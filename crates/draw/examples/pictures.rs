@@ -1,16 +1,18 @@
-//! Draws a small cloud and a staircase into a folder: that of the first argument, or the temporary one.
+//! Draws small clouds, a staircase and a Q-Q plot into a folder: that of the first argument, or the temporary one.
 
 use std::path::PathBuf;
-use terrace_draw::{Bounds, CloudPicture, Image, Sample, Staircase, Step, View, label_colour};
+use terrace_draw::{
+    Bounds, CloudPicture, Image, QqPlot, QqSeries, Sample, Staircase, Step, View, label_colour,
+};
 use terrace_synth::{Params, Scene, SceneKind};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     for kind in SceneKind::ALL {
         let views = match kind {
-            SceneKind::Table | SceneKind::Desk => [[-115.0, 25.0], [-75.0, 35.0]],
             SceneKind::Room => [[-60.0, 48.0], [125.0, 48.0]],
             SceneKind::Corridor => [[-120.0, 40.0], [-30.0, 40.0]],
+            _ => [[-115.0, 25.0], [-75.0, 35.0]],
         };
         let scans = Scene::new(kind).generate(&Params::default())?;
         let cloud = scans.merged();
@@ -24,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for (point, label) in points.iter().zip(&cloud.labels) {
                 // What would be seen from behind is left out, so that one looks into rooms.
                 let plane = label.and_then(|id| scans.planes.get(id.index()));
-                if matches!(kind, SceneKind::Table | SceneKind::Desk)
+                if !matches!(kind, SceneKind::Room | SceneKind::Corridor)
                     || plane.is_none_or(|plane| view.faces(plane.plane.normal()))
                 {
                     picture.add(*point, label_colour(*label));
@@ -39,9 +41,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
 
-    let chart = staircase();
-    for (name, bytes) in [("svg", chart.svg(1_600, 960)?.into_bytes()), ("png", chart.png(1_600, 960)?)] {
-        let path = folder.join(format!("terrace-staircase.{name}"));
+    let (stairs, qq) = (staircase(), qq_plot());
+    for (name, bytes) in [
+        ("staircase.svg", stairs.svg(1_600, 960)?.into_bytes()),
+        ("staircase.png", stairs.png(1_600, 960)?),
+        ("qq.svg", qq.svg(800, 640)?.into_bytes()),
+        ("qq.png", qq.png(800, 640)?),
+    ] {
+        let path = folder.join(format!("terrace-{name}"));
         std::fs::write(&path, bytes)?;
         println!("{}", path.display());
     }
@@ -66,5 +73,32 @@ fn staircase() -> Staircase {
         best: Some([0.236, 0.42]),
         steps: steps.clone(),
         ..Staircase::new("threshold φ", "β", [0.0, 1.0])
+    }
+}
+
+/// Made-up distances of errors with two coordinates: honest ones, ones twice as large as claimed, and outliers.
+fn qq_plot() -> QqPlot {
+    // With two degrees of freedom the distance expected below a share p is √(−2 ln(1 − p)).
+    let expected = |p: f64| (-2.0 * (1.0 - p).ln()).sqrt();
+    let series = |name: &str, observed: &dyn Fn(f64) -> f64| QqSeries {
+        name: name.into(),
+        points: (0..200).map(|k| expected((f64::from(k) + 0.5) / 200.0)).map(|e| [e, observed(e)]).collect(),
+    };
+    // Where the empirical share is within 0.1 of the true one.
+    let band = (2..=53).map(|k| {
+        let e = f64::from(k) / 16.0;
+        let p = 1.0 - (-e * e / 2.0).exp();
+        [e, expected((p - 0.1).max(0.0)), if p < 0.9 { expected(p + 0.1) } else { f64::INFINITY }]
+    });
+    QqPlot {
+        title: "errors of planes".into(),
+        series: vec![
+            series("honest", &|e| e * (1.0 + 0.02 * (9.0 * e).sin())),
+            series("too sure", &|e| 1.6 * e),
+            series("with outliers", &|e| if e > 2.4 { 1.5 * e.powi(2) } else { 0.9 * e }),
+            QqSeries { name: "never seen".into(), points: Vec::new() },
+        ],
+        band: band.collect(),
+        range: None,
     }
 }

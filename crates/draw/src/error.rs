@@ -34,7 +34,7 @@ pub enum DrawError {
         /// The direction as given.
         up: [f64; 3],
     },
-    /// The range of x of a chart is not finite or empty.
+    /// The range of a chart's axis is not finite or empty.
     #[error("the chart's range {low} to {high} is empty")]
     Range {
         /// Lower end.

@@ -1,9 +1,10 @@
-//! Pictures without a window: coloured point clouds as PNG, staircase costs as SVG or PNG.
+//! Pictures without a window: coloured point clouds as PNG, charts of staircase costs and Q-Q plots as SVG or PNG.
 //!
 //! Results of a plane finder have to be looked at, also where there is no display: in a test, on a server, in a README.
 //!
 //! * [`CloudPicture`]: points with colours, seen from a [`View`]; surfaces look closed, hide each other and are lit.
 //! * [`Staircase`]: a cost that is constant on steps, with the samples of a search on it and the best point.
+//! * [`QqPlot`]: how large errors are against how large they should be, for several kinds of them.
 //! * [`colour`]: a colour for each plane, always the same.
 //!
 //! # Why this interface
@@ -53,6 +54,8 @@ mod error;
 mod font;
 mod image;
 mod palette;
+mod pen;
+mod qq;
 mod raster;
 mod shade;
 mod splat;
@@ -65,6 +68,7 @@ pub use cloud::CloudPicture;
 pub use error::{DrawError, MAX_SIDE};
 pub use image::Image;
 pub use palette::{UNLABELLED, colour, label_colour};
+pub use qq::{QqPlot, QqSeries};
 pub use raster::Raster;
 pub use staircase::{Sample, Staircase, Step};
 pub use svg::Svg;

@@ -4,6 +4,7 @@ use crate::axis::Axis;
 use crate::canvas::{Anchor, Canvas};
 use crate::error::DrawError;
 use crate::image::Image;
+use crate::pen::{GRID, INK, Pen, TEXT, TITLE};
 use crate::raster::Raster;
 use crate::svg::Svg;
 
@@ -67,20 +68,13 @@ pub struct Staircase {
     pub best: Option<[f64; 2]>,
 }
 
-const INK: [u8; 3] = [45, 45, 50];
-const GRID: [u8; 3] = [228, 228, 232];
 const STEP: [u8; 3] = [38, 99, 166];
 const EVALUATED: [u8; 3] = [214, 96, 36];
 const KNOWN: [u8; 3] = [140, 146, 158];
 const BEST: [u8; 3] = [30, 140, 70];
-const WHITE: [u8; 3] = [255; 3];
 
 /// A chart is laid out on a sheet of this size and scaled to its canvas: all lengths below are in its units.
 const SHEET: [f64; 2] = [800.0, 480.0];
-
-/// Height of capitals: of the title and of all else.
-const TITLE: f64 = 14.0;
-const TEXT: f64 = 10.0;
 
 impl Staircase {
     /// A chart without content.
@@ -171,13 +165,13 @@ impl Staircase {
         }
         // Evaluated samples are the fewer and lie on top.
         for sample in samples.iter().filter(|s| !s.evaluated) {
-            pen.ring([x.place(sample.x), y.place(sample.value)]);
+            known(pen, [x.place(sample.x), y.place(sample.value)]);
         }
         for sample in samples.iter().filter(|s| s.evaluated) {
             pen.disc([x.place(sample.x), y.place(sample.value)], 4.0, EVALUATED);
         }
         if let Some([at, value]) = best {
-            pen.star([x.place(at), y.place(value)]);
+            star(pen, [x.place(at), y.place(value)]);
         }
         self.legend(pen, left, 46.0 * unit);
         Ok(())
@@ -243,48 +237,26 @@ impl Staircase {
             entry(pen, "evaluated", &|p, centre| p.disc(centre, 4.0, EVALUATED));
         }
         if self.samples.iter().any(|s| !s.evaluated) {
-            entry(pen, "known from a step", &|p, centre| p.ring(centre));
+            entry(pen, "known from a step", &|p, centre| known(p, centre));
         }
         if self.best.is_some() {
-            entry(pen, "best", &|p, centre| p.star(centre));
+            entry(pen, "best", &|p, centre| star(p, centre));
         }
     }
 }
 
-/// Draws with widths and sizes in units of the sheet.
-struct Pen<'a, C> {
-    canvas: &'a mut C,
-    unit: f64,
+/// The mark of a sample that needed no evaluation.
+fn known<C: Canvas>(pen: &mut Pen<'_, C>, centre: [f64; 2]) {
+    pen.ring(centre, 3.5, 1.5, KNOWN);
 }
 
-impl<C: Canvas> Pen<'_, C> {
-    fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, colour: [u8; 3]) {
-        self.canvas.line(from, to, width * self.unit, colour);
+/// The mark of the best point: a ring on a cross.
+fn star<C: Canvas>(pen: &mut Pen<'_, C>, centre: [f64; 2]) {
+    let [x, y] = centre;
+    for [dx, dy] in [[9.0, 0.0], [0.0, 9.0]].map(|d| d.map(|d: f64| d * pen.unit)) {
+        pen.line([x - dx, y - dy], [x + dx, y + dy], 1.5, BEST);
     }
-
-    fn disc(&mut self, centre: [f64; 2], radius: f64, colour: [u8; 3]) {
-        self.canvas.disc(centre, radius * self.unit, colour);
-    }
-
-    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor) {
-        self.canvas.text(at, text, size * self.unit, anchor, INK);
-    }
-
-    /// The mark of a sample that needed no evaluation.
-    fn ring(&mut self, centre: [f64; 2]) {
-        self.disc(centre, 3.5, KNOWN);
-        self.disc(centre, 2.0, WHITE);
-    }
-
-    /// The mark of the best point: a ring on a cross.
-    fn star(&mut self, centre: [f64; 2]) {
-        let [x, y] = centre;
-        for [dx, dy] in [[9.0, 0.0], [0.0, 9.0]].map(|d| d.map(|d: f64| d * self.unit)) {
-            self.line([x - dx, y - dy], [x + dx, y + dy], 1.5, BEST);
-        }
-        self.disc(centre, 6.0, BEST);
-        self.disc(centre, 3.0, WHITE);
-    }
+    pen.ring(centre, 6.0, 3.0, BEST);
 }
 
 /// A number with at most four significant digits.
