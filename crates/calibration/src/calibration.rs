@@ -20,7 +20,7 @@ pub const LEVELS: [f64; 4] = [0.5, 0.68, 0.95, 0.99];
 ///     let covariance = [[0.04, 0.0], [0.0, 0.01]];
 ///     found.push(squared_mahalanobis(error, covariance).ok_or("no covariance")?)?;
 /// }
-/// // The mean of 4.25, 1, 3.25 and 5, over two degrees of freedom: a little above 1, but of four values that says nothing.
+/// // The mean of 4.25, 1, 3.25 and 5, over two degrees of freedom. Above 1, but of four values that says nothing.
 /// assert!((found.nees().unwrap() - 1.6875).abs() < 1e-12);
 /// let [low, high] = found.nees_band(0.95).unwrap();
 /// assert!(low < 0.3 && high > 2.1);

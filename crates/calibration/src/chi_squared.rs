@@ -118,7 +118,7 @@ fn start(k: f64, p: f64) -> Option<f64> {
     if k > MANY {
         return Some(cube);
     }
-    // The term leaves out a factor e^(-t) of the density: it is above the probability, and its inverse below the quantile.
+    // Without the factor e^(-t) of the density the term is above the probability, and its inverse below the quantile.
     let series = 2.0 * ((p.ln() + ln_gamma(k / 2.0 + 1.0)) * 2.0 / k).exp();
     Some(if root > 0.1 { cube.max(series) } else { series })
 }

@@ -39,22 +39,27 @@
 //! * **Q-Q points** ([`Calibration::quantiles`]): each Mahalanobis distance against the one expected at its rank.
 //! * **Median ratio** ([`Calibration::median_ratio`]): as NEES, but by medians; outliers do not move it.
 //!
-//! A wrong scale moves NEES and the median ratio alike and tilts the line of the Q-Q plot; outliers move NEES and leave the
-//! median. NEES alone cannot tell the two apart, nor see that covariances too large here make up for those too small
+//! A wrong scale moves NEES and the median ratio alike and tilts the line of the Q-Q plot; outliers move NEES and leave
+//! the median. NEES alone cannot tell the two apart, nor see that covariances too large here make up for those too small
 //! there: the Q-Q plot and coverage can.
 //!
 //! # What is assumed
 //! The band, the p-value of Kolmogorov and Smirnov, Wilson's interval and [`Calibration::nees_interval`] assume values
-//! that are **independent**. Errors of planes from one copy of a scan are, as long as the planes share none of their
-//! points and their noise has no common part; a common error of the sensor's pose, neighbours that overlap, or the same
-//! points measured again and not drawn again are not independent, and the true band is wider. Band and coverage assume
-//! Gaussian errors too: linearised estimates of large errors are not. And the error must be free of the estimate's own
-//! choice: to keep only planes that were matched to a true one leaves out the worst.
+//! that are **independent**. Errors of planes from one simulated copy of a scan are, as long as the planes share none of
+//! their points and the noise has no part common to several points. Not independent are planes that overlap, errors of
+//! the sensor's pose that move all planes at once, and several estimates from the same noise, such as two methods or two
+//! sets of parameters on one copy: count these apart. With dependent values the true bands are wider than told.
+//!
+//! Band and coverage assume Gaussian errors too; where an estimate is a linearised one, large errors are not. And which
+//! errors are counted must not depend on the errors: to keep only planes that were matched to a true one leaves out the
+//! worst, and NEES comes out too small.
 //!
 //! # Accuracy
-//! Distributions are those of `statrs`. [`chi_squared_quantile`] agrees with 40-digit arithmetic to 1e-12 of its value up to
-//! 6000 degrees of freedom, from probabilities of 1e-6 to 1 − 1e-5. [`squared_mahalanobis`] works on correlations, so that units
-//! and scales do not matter. What sorts or sums may differ in the last digits with the order of the values.
+//! Distributions are those of `statrs`, quantiles are solved on them. Against 40-digit arithmetic,
+//! [`chi_squared_quantile`] is right to 1e-12 of its value for 1 to 6000 degrees of freedom and probabilities from 1e-6
+//! to 1 − 1e-5. From 10⁷ degrees of freedom on, both functions use the cube root of Wilson and Hilferty.
+//! [`squared_mahalanobis`] works on correlations, so that units and scales do not matter. The mean may differ in its last
+//! digits with the order of the values; nothing else does, but for [`Calibration::nees_interval`].
 //!
 //! # Errors and absence
 //! Values that are no squared Mahalanobis distances, and collections that do not belong together, are a

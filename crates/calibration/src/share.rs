@@ -41,7 +41,7 @@ impl Share {
     }
 
     /// Wilson's score interval: the probabilities under which a share at least this far off has at least a chance of
-    /// 1 − `level`, each trial being independent of the others. `None` when the level is not above 0 and below 1.
+    /// 1 − `level` (normal approximation, independent trials). `None` when the level is not above 0 and below 1.
     ///
     /// It contains the share, stays within 0 to 1 and has a width also when there were no hits, or nothing but hits.
     pub fn interval(self, level: f64) -> Option<[f64; 2]> {

@@ -15,7 +15,8 @@ use crate::share::Share;
 /// let mut found = Calibration::new(3)?;
 /// found.extend([1.0, 2.0, 9.0]);
 /// let line = Summary::new("walls", &found).to_string();
-/// assert_eq!(line, "walls: n 3, NEES/D 1.333 (95 % band 0.300 to 2.114), within 50 % 0.667, 68 % 0.667, 95 % 0.667, 99 % 1.000");
+/// assert_eq!(line, "walls: n 3, NEES/D 1.333 (95 % band 0.300 to 2.114), \
+///     within 50 % 0.667, 68 % 0.667, 95 % 0.667, 99 % 1.000");
 /// # Ok::<(), terrace_calibration::CalibrationError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

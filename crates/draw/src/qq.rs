@@ -21,8 +21,8 @@ pub struct QqSeries {
 
 /// A quantile-quantile plot: how large errors are against how large they should be, in standard deviations.
 ///
-/// Both axes have the same scale. Points on the diagonal are as expected; a line above it belongs to errors that are larger
-/// than was claimed, a curve that turns upwards at its end to outliers. Points outside the range of the axes stand on
+/// Both axes have the same scale. Points on the diagonal are as expected; a line above it belongs to errors that are
+/// larger than was claimed, a curve that turns upwards at its end to outliers. Points outside the range of the axes stand on
 /// its border as open marks, and the legend tells their number. Points that are not finite are left out.
 ///
 /// ```
