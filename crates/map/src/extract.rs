@@ -1,20 +1,16 @@
 //! From the grid to planes.
 
 use rayon::prelude::*;
-use terrace_grid::Assignment;
 use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
-use crate::estimate::Owned;
+use crate::estimate::estimate_planes;
 use crate::facing::face_sensors;
 use crate::first::First;
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
-use crate::{
-    CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneEstimate,
-    PlaneMap, Weighting,
-};
+use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
 
 /// A part of the work, reported when it begins: for progress and timings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,8 +65,7 @@ impl Mapper {
         let labels: Vec<_> =
             self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
         face_sensors(&mut planes, &labels, self.views());
-        let cells = Owned { grid, nodes: &nodes, plane_of_cell: &plane_of_cell };
-        estimate_planes(&mut planes, &cells, &plane_of_node, self.params());
+        let noise = estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node);
         let cells = nodes
             .stats
             .iter()
@@ -78,7 +73,7 @@ impl Mapper {
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }))
             .collect();
         let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered };
-        Ok(PlaneMap { planes, labels, used, cells, cell_counts, optimised })
+        Ok(PlaneMap { planes, labels, used, noise, cells, cell_counts, optimised })
     }
 }
 
@@ -138,6 +133,7 @@ pub(crate) fn fit_parts(
                 plane,
                 centroid: stats.mean()?,
                 normal_uncertainty: part.uncertainty,
+                min_max: None,
                 estimate: None,
                 points: stats.count(),
                 cells: part.nodes.len(),
@@ -148,34 +144,6 @@ pub(crate) fn fit_parts(
         })
         .collect();
     (planes, plane_of_node)
-}
-
-/// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
-/// each with weight 1.
-fn estimate_planes(
-    planes: &mut [ExtractedPlane],
-    cells: &Owned<'_>,
-    plane_of_node: &[Option<PlaneId>],
-    params: &Params,
-) {
-    let known = || cells.nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0);
-    if !params.estimate
-        || !known()
-        || params.assignment != Assignment::Voxel
-        || params.weighting != Weighting::Uniform
-    {
-        return;
-    }
-    let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); planes.len()];
-    for (node, plane) in (0..).zip(plane_of_node) {
-        if let Some(nodes) = plane.and_then(|plane| nodes_of.get_mut(plane.index())) {
-            nodes.push(node);
-        }
-    }
-    planes.par_iter_mut().zip(nodes_of).for_each(|(plane, nodes)| {
-        let estimate = cells.estimate(plane.id, &nodes, (plane.centroid, plane.plane.normal()));
-        plane.estimate = estimate.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
-    });
 }
 
 fn union(part: &Part, nodes: &Nodes) -> Option<Stats> {

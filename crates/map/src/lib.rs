@@ -65,11 +65,11 @@ pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError};
 
-pub use estimate::PlaneEstimate;
+pub use estimate::{NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
-pub use params::{Optimise, Params, Search, Weighting};
+pub use params::{Estimate, Optimise, Params, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
 pub use uncertain::{UncertainCluster, UncertainClusters};
 

@@ -47,9 +47,10 @@ pub struct Params {
     pub random_seeds: bool,
     /// Search for a better φ for each uncertain cluster; `None` leaves clusters as first found.
     pub optimise: Option<Optimise>,
-    /// Put beside each plane the one of least variance, with its covariance, where the standard errors of the points are
-    /// known ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)).
-    pub estimate: bool,
+    /// Find for each plane the one of least variance, with its covariance
+    /// ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)); `None` leaves planes as fitted by least squares.
+    /// Not for the paper's way of finding cells, whose points are not those of a place, and not for weighted points.
+    pub estimate: Option<Estimate>,
     /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
     /// Seed of everything random.
@@ -69,6 +70,14 @@ pub struct Optimise {
     pub weight_clusters: f64,
     /// How the φ of least cost is searched.
     pub search: Search,
+}
+
+/// Settings of the covariance of planes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimate {
+    /// Standard error, in metres, that does not average out over the points of a plane: of the sensor's distortion, its
+    /// calibration, of surfaces that are not flat. It counts as that of one single point.
+    pub floor: f64,
 }
 
 /// How the φ of least cost is searched. Both use that a clustering holds on a whole interval of φ.
@@ -131,7 +140,7 @@ impl Default for Params {
             fit: FitTo::Points,
             random_seeds: false,
             optimise: Some(Optimise::default()),
-            estimate: false,
+            estimate: Some(Estimate::default()),
             min_cells: 5,
             seed: 0,
         }
@@ -145,6 +154,7 @@ impl Params {
             assignment: Assignment::ExpectedDistance,
             fit: FitTo::Centres,
             random_seeds: true,
+            estimate: None,
             optimise: Some(Optimise { search: Search::PAPER, ..Optimise::default() }),
             ..Self::default()
         }
@@ -175,6 +185,11 @@ impl Params {
         }
         if self.depth == 0 {
             return Err(ParamsError::new("depth", 0.0, "at least 1"));
+        }
+        if let Some(Estimate { floor }) = self.estimate
+            && !(floor.is_finite() && floor >= 0.0)
+        {
+            return Err(ParamsError::new("estimate.floor", floor, "a finite length in metres, from 0"));
         }
         self.optimise.map_or(Ok(()), |optimise| optimise.validate())
     }

@@ -3,22 +3,26 @@
 use terrace_cluster::Interval;
 use terrace_types::{Plane, PlaneId};
 
-use crate::{CellSizeChoice, Optimised, Params, PlaneEstimate};
+use crate::{CellSizeChoice, NoiseLevel, Optimised, Params, PlaneEstimate};
 
 /// A plane of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtractedPlane {
     /// Its number, from 1: planes are sorted by their points, the largest first.
     pub id: PlaneId,
-    /// The plane of least squares through all points of its cells. The normal points to the side from which most of them
-    /// were seen, or, when no sensor position is known, has a positive largest component.
+    /// The plane: that of [`estimate`](Self::estimate) where there is one, else that of least squares through all points of
+    /// its cells. The normal points to the side from which most of them were seen, or, when no sensor position is known, has
+    /// a positive largest component.
     pub plane: Plane,
     /// Mean of the points, in metres.
     pub centroid: [f64; 3],
     /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
     pub normal_uncertainty: [f64; 3],
-    /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also when the standard
-    /// errors of the points are not known, or in the paper's way of finding cells, whose points are not those of a place.
+    /// Largest change of each component of the normal of the plane of least squares, were the centres of its cells moved by
+    /// their standard errors in the worst way (the paper's min-max, Definition 3); `None` where `estimate` was not asked for.
+    pub min_max: Option<[f64; 3]>,
+    /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also where too little is
+    /// left of the cells once those that hold something else are left out, or all points lie exactly in a plane.
     pub estimate: Option<PlaneEstimate>,
     /// Points in its cells.
     pub points: u64,
@@ -89,6 +93,8 @@ pub struct PlaneMap {
     pub labels: Vec<Option<PlaneId>>,
     /// The parameters used.
     pub used: Used,
+    /// The standard errors of the points, where none were given and they were found from the residuals of flat places.
+    pub noise: Option<NoiseLevel>,
     /// The dense cells in the order of their keys, with the plane each belongs to.
     pub cells: Vec<LabelledCell>,
     /// How many cells there are of each kind.

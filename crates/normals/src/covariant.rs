@@ -41,6 +41,11 @@ pub struct CovariantPlane {
     /// Mean squared distance of the points from the plane in units of their errors, by the number of points less three: about 1
     /// where the errors are right and the surface is flat.
     pub reduced_chi_squared: f64,
+    /// How far (tilt₁, tilt₂, offset) move for a pull of one, `A⁻¹`, which is diagonal along the axes of the fit: a point at
+    /// (u, v) in the plane that is moved by ε along the normal pulls by `w ε (−u, −v, 1)`. For errors that points share.
+    pub gain: [f64; 3],
+    /// What a cell without errors among others with them is taken to have: the least variance of those, in m².
+    least: f64,
 }
 
 impl CovariantPlane {
@@ -91,10 +96,17 @@ impl CovariantPlane {
         }
         let normal = fit.normal;
         let back = [0, 1, 2].map(|i| anchor[i] - fit.centroid[i]);
-        let tilt_offset = covariance(&cells, back, &fit, sums.weight, |cell| weight(cell, normal));
+        let [_, across, along] = fit.variances;
+        let gain = [1.0 / (sums.weight * along), 1.0 / (sums.weight * across), 1.0 / sums.weight];
+        let tilt_offset = covariance(&cells, back, &fit, gain, |cell| weight(cell, normal));
         let freedom = sums.count as f64 - 3.0;
         let reduced_chi_squared = sums.scatter().quadratic_form(normal).max(0.0) * sums.weight / freedom;
-        Ok(Some(Self { fit, tilt_offset, reduced_chi_squared }))
+        Ok(Some(Self { fit, tilt_offset, reduced_chi_squared, gain, least }))
+    }
+
+    /// What each point of a cell counts: the inverse of the mean variance of their errors along the normal, in 1/m².
+    pub fn weight(&self, cell: &Stats) -> f64 {
+        1.0 / variance_along(cell.moments(), self.fit.normal).max(self.least)
     }
 
     /// The coefficients `(a, b, c, d)` of `a x + b y + c z + d = 0`, with the unit normal `(a, b, c)`.
@@ -175,10 +187,10 @@ fn covariance(
     cells: &[Moments],
     back: [f64; 3],
     fit: &PlaneFit,
-    total: f64,
+    [a, b, c]: [f64; 3],
     weight: impl Fn(&Moments) -> f64,
 ) -> SymmetricMatrix3 {
-    let PlaneFit { normal, axes, variances: [_, across, along], .. } = *fit;
+    let PlaneFit { normal, axes, .. } = *fit;
     let mut pulls = SymmetricMatrix3::ZERO;
     for cell in cells {
         let moments = cell.translated(back);
@@ -205,9 +217,7 @@ fn covariance(
         ]) * squared;
     }
     // A is diagonal: the axes are those of the weighted scatter, about the weighted mean.
-    let inverse = [1.0 / (total * along), 1.0 / (total * across), 1.0 / total];
     let [xx, xy, xz, yy, yz, zz] = pulls.0;
-    let [a, b, c] = inverse;
     SymmetricMatrix3([a * a * xx, a * b * xy, a * c * xz, b * b * yy, b * c * yz, c * c * zz])
 }
 

@@ -95,6 +95,12 @@ impl Moments {
         }
     }
 
+    /// The same vectors with this as the sum of their errors' covariances: for errors that were found out later.
+    #[must_use]
+    pub fn with_noise(&self, noise: SymmetricMatrix3) -> Self {
+        Self { noise, ..*self }
+    }
+
     /// Number of vectors: the density of a cell.
     pub fn count(&self) -> u64 {
         self.count

@@ -54,6 +54,12 @@ impl Stats {
         Self { anchor, moments: self.moments.translated(difference(self.anchor, anchor)) }
     }
 
+    /// The same set with this as the sum of its errors' covariances, see [`Moments::with_noise`].
+    #[must_use]
+    pub fn with_noise(&self, noise: SymmetricMatrix3) -> Self {
+        Self { moments: self.moments.with_noise(noise), ..*self }
+    }
+
     /// What the sums are relative to.
     pub fn anchor(&self) -> [f64; 3] {
         self.anchor

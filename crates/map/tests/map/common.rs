@@ -104,7 +104,25 @@ pub fn check_sound(map: &PlaneMap) {
     for (index, plane) in map.planes.iter().enumerate() {
         assert_eq!(plane.id.index(), index);
         assert!((dot(plane.plane.normal(), plane.plane.normal()) - 1.0).abs() < 1e-12);
-        assert!(plane.plane.signed_distance(plane.centroid).abs() < 1e-9 * (1.0 + plane.plane.d().abs()));
+        let on_it = plane.estimate.map_or(plane.centroid, |estimate| estimate.centroid);
+        assert!(plane.plane.signed_distance(on_it).abs() < 1e-9 * (1.0 + plane.plane.d().abs()));
+        if let Some(estimate) = plane.estimate {
+            assert_eq!(estimate.plane, plane.plane);
+            let [e1, e2] = estimate.axes;
+            let normal = plane.plane.normal();
+            for (a, b, expected) in
+                [(e1, e1, 1.0), (e2, e2, 1.0), (e1, e2, 0.0), (e1, normal, 0.0), (e2, normal, 0.0)]
+            {
+                assert!((dot(a, b) - expected).abs() < 1e-9);
+            }
+            let c = estimate.tilt_offset;
+            let entries = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+            assert!(
+                Sigma::is_valid_covariance(entries) && c[0][0] > 0.0 && c[1][1] > 0.0 && c[2][2] > 0.0,
+                "{c:?}"
+            );
+            assert!(estimate.growth >= 1.0 && estimate.reduced_chi_squared >= 0.0);
+        }
         assert!(plane.normal_uncertainty.iter().all(|s| s.is_finite() && *s >= 0.0));
         assert!(plane.rms.is_finite() && plane.rms >= 0.0);
         assert!(plane.phi_interval.contains(plane.phi), "{} in {:?}", plane.phi, plane.phi_interval);

@@ -1,0 +1,242 @@
+//! The plane of least variance and its covariance, from the errors of points and poses.
+
+mod columns;
+mod level;
+mod shared;
+mod sightings;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use terrace_grid::{Assignment, VoxelGrid};
+use terrace_normals::{CovariantPlane, FitTo, estimate as min_max};
+use terrace_stats::SymmetricMatrix3;
+use terrace_types::{Plane, PlaneId};
+
+use crate::mapper::View;
+use crate::nodes::Nodes;
+use crate::{ExtractedPlane, Mapper, Params, Weighting};
+
+use columns::{Columns, Near};
+pub use level::NoiseLevel;
+use level::Residuals;
+use sightings::Sightings;
+
+/// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
+const CORE_ROUNDS: usize = 10;
+/// Residuals are larger than the errors say from so many of their own standard errors on.
+const SIGNIFICANT: f64 = 3.0;
+
+/// The plane of least variance, and how sure it is, from the standard errors of the points.
+///
+/// # What is covered
+/// * Errors of points, independent of each other, of any covariance each. To first order: they are to be small against the
+///   plane, and below about a sixth of a cell.
+/// * Errors of poses, which all points of a scan share ([`Mapper::insert_from`]), and a floor below which nothing averages
+///   out ([`Estimate::floor`](crate::Estimate::floor)).
+/// * Residuals larger than all of these say, as far as they show within the plane: [`growth`](Self::growth).
+///
+/// Not covered: what moves or bends a whole plane and is none of these, and points of another surface within a cell's
+/// reach of it that no test tells from the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneEstimate {
+    /// The plane; its normal points to the same side as that of the [extracted plane](crate::ExtractedPlane).
+    pub plane: Plane,
+    /// The place on it that `tilt_offset` is about, in metres.
+    pub centroid: [f64; 3],
+    /// Unit vectors in the plane, along which the tilts are.
+    pub axes: [[f64; 3]; 2],
+    /// Covariance of (tilt₁, tilt₂, offset): radians and metres. The true normal is `n + tilt₁ e₁ + tilt₂ e₂`, the true plane
+    /// `offset` further along the normal at the centroid, to first order. The same for the normal turned round.
+    pub tilt_offset: [[f64; 3]; 3],
+    /// Covariance of the coefficients (a, b, c, d), of rank 3.
+    pub coefficients: [[f64; 4]; 4],
+    /// Mean squared distance of the points from the plane in units of their errors: about 1 where the errors are right and
+    /// the surface is flat.
+    pub reduced_chi_squared: f64,
+    /// What the part of the covariance that comes from points was multiplied by, because residuals are larger than errors
+    /// say: the reduced χ² of the points or that of the means of cells, whichever is larger. 1 where neither is
+    /// significantly above 1.
+    pub growth: f64,
+}
+
+impl PlaneEstimate {
+    /// With the normal on the side of `normal`.
+    fn of(found: &Found, normal: [f64; 3]) -> Option<Self> {
+        let fit = found.plane.fit;
+        let plane = Plane::through(fit.centroid, fit.normal).ok()?;
+        let opposite = DVec3::from(plane.normal()).dot(normal.into()) < 0.0;
+        Some(Self {
+            plane: if opposite { plane.flipped() } else { plane },
+            centroid: fit.centroid,
+            axes: fit.axes,
+            tilt_offset: found.plane.tilt_offset.rows(),
+            coefficients: found.plane.covariance_of_coefficients(),
+            reduced_chi_squared: found.reduced_chi_squared,
+            growth: found.growth,
+        })
+    }
+}
+
+/// A plane whose covariance holds everything.
+pub(crate) struct Found {
+    plane: CovariantPlane,
+    reduced_chi_squared: f64,
+    growth: f64,
+}
+
+/// What is known of the errors.
+pub(crate) struct Errors<'m> {
+    views: &'m [View],
+    /// Where each cell was seen from, where that matters.
+    sightings: Option<Sightings>,
+    /// Found from the residuals, where no error is given.
+    level: Option<NoiseLevel>,
+    floor: f64,
+}
+
+/// The cells of a grid, which plane each is of, and their errors.
+pub(crate) struct Owned<'g> {
+    pub(crate) grid: &'g VoxelGrid,
+    pub(crate) nodes: &'g Nodes,
+    /// By cell.
+    pub(crate) plane_of_cell: &'g [Option<PlaneId>],
+    pub(crate) errors: Errors<'g>,
+}
+
+/// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
+/// each with weight 1. Gives back the errors, when they had to be found out.
+pub(crate) fn estimate_planes(
+    planes: &mut [ExtractedPlane],
+    mapper: &Mapper,
+    grid: &VoxelGrid,
+    nodes: &Nodes,
+    plane_of_cell: &[Option<PlaneId>],
+    plane_of_node: &[Option<PlaneId>],
+) -> Option<NoiseLevel> {
+    let Params {
+        estimate: Some(settings), assignment: Assignment::Voxel, weighting: Weighting::Uniform, ..
+    } = mapper.params()
+    else {
+        return None;
+    };
+    let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); planes.len()];
+    for (node, plane) in (0..).zip(plane_of_node) {
+        if let Some(nodes) = plane.and_then(|plane| nodes_of.get_mut(plane.index())) {
+            nodes.push(node);
+        }
+    }
+    let errors = Errors::of(mapper, nodes, settings.floor);
+    let mut cells = Owned { grid, nodes, plane_of_cell, errors };
+    if !nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0) {
+        cells.errors.level = cells.found_out(planes, &nodes_of);
+        cells.errors.level.as_ref()?;
+    }
+    planes.par_iter_mut().zip(nodes_of).for_each(|(plane, of)| {
+        let found = cells.estimate(plane.id, &of, &Near::to(plane));
+        plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
+        if let Some(estimate) = plane.estimate {
+            plane.plane = estimate.plane;
+        }
+        let of = of.iter().filter_map(|node| nodes.stats.get(*node as usize));
+        plane.min_max = min_max(of, FitTo::Points).ok().map(|found| found.uncertainty);
+    });
+    cells.errors.level
+}
+
+impl<'m> Errors<'m> {
+    fn of(mapper: &'m Mapper, nodes: &Nodes, floor: f64) -> Self {
+        let views = mapper.views();
+        let known = nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0);
+        let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
+        let sightings = views.iter().any(matters).then(|| Sightings::of(mapper));
+        Self { views, sightings, level: None, floor }
+    }
+}
+
+impl Owned<'_> {
+    /// The level of noise that the residuals of flat places show.
+    fn found_out(&self, planes: &[ExtractedPlane], nodes_of: &[Vec<u32>]) -> Option<NoiseLevel> {
+        // First by single cells, whose faces cut the noise; then by columns of them, which need to know how far noise reaches.
+        let mut residuals = Residuals::default();
+        for (plane, of) in planes.iter().zip(nodes_of) {
+            for node in of {
+                let (Some(stats), Some(cell)) =
+                    (self.nodes.stats.get(*node as usize), self.nodes.dense.cells().get(*node as usize))
+                else {
+                    continue;
+                };
+                let range = self.errors.range(stats, cell.index());
+                residuals.push(range, stats, plane.plane.normal());
+            }
+        }
+        let first = NoiseLevel::of(&residuals)?;
+        let columns: Vec<(Columns, Near)> = planes
+            .par_iter()
+            .zip(nodes_of)
+            .map(|(plane, of)| {
+                let near = Near::to(plane);
+                (self.columns(plane.id, of, &near, Some(&first)), near)
+            })
+            .collect();
+        let mut residuals = Residuals::default();
+        for (columns, near) in &columns {
+            columns.residuals(near, self.errors.floor, &mut residuals);
+        }
+        NoiseLevel::of(&residuals).or(Some(first))
+    }
+
+    /// The plane of least variance through the cells of `plane`, near that of a centroid and a normal; `None` when no error
+    /// is known, or what is left of the cells determines none.
+    ///
+    /// # Algorithm
+    /// 1. A plane that lies near the face of a voxel has points on both sides of it, and few on one: too few for a dense
+    ///    cell. Without them it would lie off, by far more than its error. So cells are taken in columns along the main axis
+    ///    of the normal, whether dense or not.
+    /// 2. Columns that hold cells of other planes, or whose points lie off or scatter by more than their errors do, are left
+    ///    out, and those beside them.
+    /// 3. Where the plane goes on beyond the last column, errors carry points over the border: those with an error to one
+    ///    side in, those to the other out. What that adds to the sums is known, `∓ d/ξ nᵀ C e` for a face across the axis e of a
+    ///    column of d points, and is taken back.
+    /// 4. The covariance of the points' errors grows with the residuals; those of the poses and the floor are added.
+    fn estimate(&self, plane: PlaneId, of: &[u32], near: &Near) -> Option<Found> {
+        let columns = self.columns(plane, of, near, self.errors.level.as_ref());
+        let floor = self.errors.floor;
+        let fit = |counts: &[bool]| {
+            let mut found = columns.fit(counts)?;
+            columns.take_back_cuts(counts, &mut found, self.grid.cell_size());
+            Some((Near::of(&found), found))
+        };
+        let (mut near, _) = fit(&columns.near(near, floor))?;
+        for _ in 0..CORE_ROUNDS {
+            let Some(core) = columns.core(&near, floor) else { break };
+            let Some((better, _)) = fit(&core) else { break };
+            near = better;
+        }
+        let mut estimate = None;
+        for _ in 0..2 {
+            let counts = columns.support(&near, floor);
+            let (better, found) = fit(&counts)?;
+            near = better;
+            estimate = Some((found, counts));
+        }
+        let (found, counts) = estimate?;
+        Some(self.complete(found, &columns, &counts))
+    }
+
+    /// The covariance with all that the points' errors do not tell.
+    fn complete(&self, mut plane: CovariantPlane, columns: &Columns, counts: &[bool]) -> Found {
+        let residuals = columns.chi_squared(counts, &plane, self.errors.floor);
+        let growth = residuals
+            .iter()
+            .filter(|(value, freedom)| *value > 1.0 + SIGNIFICANT * (2.0 / freedom).sqrt())
+            .fold(1.0, |growth: f64, (value, _)| growth.max(*value));
+        plane.tilt_offset = plane.tilt_offset * growth;
+        plane.tilt_offset += columns.shared_by_scans(counts, &plane, self.errors.views);
+        // What does not average out tells of a plane as much as a single point: of each tilt, one at the rms extent.
+        let floor = self.errors.floor * self.errors.floor;
+        let [_, across, along] = plane.fit.variances;
+        plane.tilt_offset += SymmetricMatrix3::diagonal([floor / along, floor / across, floor]);
+        let [(reduced_chi_squared, _), _] = residuals;
+        Found { plane, reduced_chi_squared, growth }
+    }
+}

@@ -1,0 +1,120 @@
+//! Errors that all points of a scan share: those of its pose.
+
+use glam::DVec3;
+use terrace_normals::{CovariantPlane, PlaneFit};
+use terrace_stats::SymmetricMatrix3;
+
+use super::columns::{Column, Columns};
+use crate::mapper::View;
+
+/// What shared errors do to the points of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SharedErrors {
+    /// Covariance that they give to the mean of the points.
+    pub(crate) of_mean: SymmetricMatrix3,
+    /// Mean covariance that they give to a point.
+    pub(crate) of_points: SymmetricMatrix3,
+}
+
+impl SharedErrors {
+    pub(crate) const NONE: Self = Self { of_mean: SymmetricMatrix3::ZERO, of_points: SymmetricMatrix3::ZERO };
+
+    /// Of a column: scans are wrong independently of each other.
+    pub(crate) fn of(column: &Column, views: &[View]) -> Self {
+        let (Some(mean), count) = (column.sum.mean(), column.sum.count() as f64) else { return Self::NONE };
+        let mut shared = Self::NONE;
+        for sighting in &column.seen {
+            let Some(view) = views.get(sighting.view as usize) else { continue };
+            let covariance = view
+                .pose
+                .zip(view.sensor)
+                .and_then(|(pose, sensor)| pose.at(sensor, mean))
+                .map(|c| c.entries());
+            let Some(covariance) = covariance.map(SymmetricMatrix3) else { continue };
+            let share = f64::from(sighting.points) / count;
+            shared.of_mean += covariance * (share * share);
+            shared.of_points += covariance * share;
+        }
+        shared
+    }
+}
+
+impl Columns {
+    /// The covariance of tilt and offset that comes from the poses of the scans.
+    ///
+    /// A point p of a scan from s moves along the normal by `n·δt + δω·((p − s) × n)` with the error (δt, δω) of its pose
+    /// ([`terrace_noise::jacobian`]), and pulls by `w (−u, −v, 1)` times that. The pulls of a scan add up to a 3×6 matrix g,
+    /// from the sums of the columns; the covariance is `Σ A⁻¹ g Σ_pose gᵀ A⁻¹` over the scans.
+    pub(crate) fn shared_by_scans(
+        &self,
+        counts: &[bool],
+        plane: &CovariantPlane,
+        views: &[View],
+    ) -> SymmetricMatrix3 {
+        if !views.iter().any(|view| view.pose.is_some()) {
+            return SymmetricMatrix3::ZERO;
+        }
+        let mut pulls = vec![[[0.0; 6]; 3]; views.len()];
+        for (column, _) in self.columns.iter().zip(counts).filter(|(_, counts)| **counts) {
+            let weight = plane.weight(&column.sum);
+            for sighting in &column.seen {
+                let place = sighting.view as usize;
+                let (Some(sensor), Some(pull)) =
+                    (views.get(place).and_then(|view| view.sensor), pulls.get_mut(place))
+                else {
+                    continue;
+                };
+                let Some(of_column) = pull_of(column, &plane.fit, sensor.into()) else { continue };
+                let points = weight * f64::from(sighting.points);
+                for (row, more) in pull.iter_mut().zip(of_column) {
+                    for (entry, more) in row.iter_mut().zip(more) {
+                        // As if the points of the scan were spread over the column like all.
+                        *entry += points * more;
+                    }
+                }
+            }
+        }
+        let mut sum = SymmetricMatrix3::ZERO;
+        for (pull, view) in pulls.iter().zip(views) {
+            let Some(pose) = view.pose else { continue };
+            let covariance = pose.covariance();
+            let times = |a: &[f64; 6]| covariance.map(|row| inner(&row, a));
+            let half = [0, 1, 2].map(|i| times(&pull[i]));
+            let [a, b, c] = plane.gain;
+            sum += SymmetricMatrix3([
+                a * a * inner(&pull[0], &half[0]),
+                a * b * inner(&pull[0], &half[1]),
+                a * c * inner(&pull[0], &half[2]),
+                b * b * inner(&pull[1], &half[1]),
+                b * c * inner(&pull[1], &half[2]),
+                c * c * inner(&pull[2], &half[2]),
+            ]);
+        }
+        sum
+    }
+}
+
+/// The mean pull of a point of the column by (δt, δω).
+fn pull_of(column: &Column, fit: &PlaneFit, sensor: DVec3) -> Option<[[f64; 6]; 3]> {
+    let mean = DVec3::from(column.sum.mean()?);
+    let scatter = column.sum.covariance()?.rows().map(DVec3::from);
+    let normal = DVec3::from(fit.normal);
+    let turn = (mean - sensor).cross(normal);
+    let arms = fit.axes.map(|axis| {
+        let axis = DVec3::from(axis);
+        let at = axis.dot(mean - DVec3::from(fit.centroid));
+        // Within the column, points farther along the axis also turn farther.
+        let spread = DVec3::from(scatter.map(|row| row.dot(axis)));
+        row(normal * -at, turn * -at - spread.cross(normal))
+    });
+    let [first, second] = arms;
+    Some([first, second, row(normal, turn)])
+}
+
+fn row(shift: DVec3, turn: DVec3) -> [f64; 6] {
+    [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
+}
+
+fn inner(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

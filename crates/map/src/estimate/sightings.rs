@@ -1,0 +1,74 @@
+//! From where each cell was seen.
+
+use crate::Mapper;
+
+/// Some points of a cell, seen in one scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Sighting {
+    /// Place of the scan in the order of insertion.
+    pub(crate) view: u32,
+    pub(crate) points: u32,
+}
+
+/// One for each scan.
+pub(crate) fn merged(mut seen: Vec<Sighting>) -> Vec<Sighting> {
+    seen.sort_unstable_by_key(|sighting| sighting.view);
+    seen.dedup_by(|next, first| {
+        let same = next.view == first.view;
+        if same {
+            first.points = first.points.saturating_add(next.points);
+        }
+        same
+    });
+    seen
+}
+
+/// For each cell the scans that saw it.
+pub(crate) struct Sightings {
+    /// Cell `i` has `of[starts[i]..starts[i + 1]]`, in the order of the scans.
+    starts: Vec<u32>,
+    of: Vec<Sighting>,
+}
+
+impl Sightings {
+    pub(crate) fn of(mapper: &Mapper) -> Self {
+        let cells = mapper.grid().map_or(0, terrace_grid::VoxelGrid::len);
+        let mut counts = vec![0_u32; cells];
+        let mut touched: Vec<u32> = Vec::new();
+        let mut found: Vec<(u32, Sighting)> = Vec::new();
+        let mut rest = mapper.cells_of_points();
+        for (view, seen) in (0..).zip(mapper.views()) {
+            let Some((points, after)) = rest.split_at_checked(seen.points) else { break };
+            rest = after;
+            for cell in points.iter().flatten() {
+                let Some(count) = counts.get_mut(cell.index()) else { continue };
+                if *count == 0 {
+                    // A grid numbers its cells with 32 bits.
+                    touched.extend(u32::try_from(cell.index()));
+                }
+                *count = count.saturating_add(1);
+            }
+            for cell in touched.drain(..) {
+                let points = std::mem::take(&mut counts[cell as usize]);
+                found.push((cell, Sighting { view, points }));
+            }
+        }
+        found.sort_unstable_by_key(|(cell, sighting)| (*cell, sighting.view));
+        let mut starts = vec![0_u32; cells + 1];
+        for (cell, _) in &found {
+            starts[*cell as usize + 1] += 1;
+        }
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        Self { starts, of: found.into_iter().map(|(_, sighting)| sighting).collect() }
+    }
+
+    /// Of the cell with this index, in the order of the scans.
+    pub(crate) fn of_cell(&self, index: usize) -> &[Sighting] {
+        match self.starts.get(index..) {
+            Some([start, end, ..]) => self.of.get(*start as usize..*end as usize).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+}
