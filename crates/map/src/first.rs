@@ -34,10 +34,8 @@ pub(crate) struct Alone {
 
 impl<'m> First<'m> {
     pub(crate) fn cluster(mapper: &'m Mapper, mut begins: impl FnMut(Stage)) -> Result<Self, ExtractError> {
-        let grid = mapper.grid().filter(|grid| !grid.is_empty()).ok_or(ExtractError::Empty)?;
-        let params = *mapper.params();
-        let tau = params.tau.unwrap_or_else(|| tenth_of_median_density(grid));
-        let used = Used { params, cell_size: grid.cell_size(), chosen: mapper.chosen_cell_size(), tau };
+        let (grid, used) = used_of(mapper)?;
+        let (params, tau) = (used.params, used.tau);
 
         begins(Stage::Normals { cells: grid.len() });
         let nodes = Nodes::of(grid, tau, &params);
@@ -74,6 +72,14 @@ impl<'m> First<'m> {
             nodes,
         }
     }
+}
+
+/// The grid, and the parameters with what is chosen from it.
+pub(crate) fn used_of(mapper: &Mapper) -> Result<(&VoxelGrid, Used), ExtractError> {
+    let grid = mapper.grid().filter(|grid| !grid.is_empty()).ok_or(ExtractError::Empty)?;
+    let params = *mapper.params();
+    let tau = params.tau.unwrap_or_else(|| tenth_of_median_density(grid));
+    Ok((grid, Used { params, cell_size: grid.cell_size(), chosen: mapper.chosen_cell_size(), tau }))
 }
 
 /// A tenth of the median number of points of a cell, and at least 4, so that a plane through a cell is more than its

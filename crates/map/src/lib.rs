@@ -65,7 +65,7 @@ pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError};
 
-pub use estimate::{NoiseLevel, PlaneEstimate};
+pub use estimate::{CellPlane, NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
@@ -75,9 +75,10 @@ pub use uncertain::{UncertainCluster, UncertainClusters};
 
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_crs::{Minimum, Source, StopReason, Trial};
-pub use terrace_grid::{Assignment, Connectivity};
+pub use terrace_grid::{Assignment, CellId, Connectivity, VoxelKey};
 pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
+pub use terrace_normals::{PlaneFit, UncertainNormal};
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 
 /// The examples of the README are tests.

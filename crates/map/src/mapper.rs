@@ -87,7 +87,8 @@ impl Mapper {
         self.cell_of_point.is_empty()
     }
 
-    pub(crate) fn cells_of_points(&self) -> &[Option<CellId>] {
+    /// The cell of each point so far, scan after scan; `None` for points that were left out.
+    pub fn cells_of_points(&self) -> &[Option<CellId>] {
         &self.cell_of_point
     }
 

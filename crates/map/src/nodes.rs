@@ -30,4 +30,9 @@ impl Nodes {
             .collect();
         Self { dense, stats, normals }
     }
+
+    /// Whether the errors of any point are known.
+    pub(crate) fn know_errors(&self) -> bool {
+        self.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0)
+    }
 }

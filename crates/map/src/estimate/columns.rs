@@ -76,7 +76,7 @@ impl Owned<'_> {
     /// The columns with cells of the plane, in a fixed order.
     pub(crate) fn columns(
         &self,
-        plane: PlaneId,
+        plane: Option<PlaneId>,
         of: &[u32],
         near: &Near,
         level: Option<&NoiseLevel>,
@@ -120,7 +120,7 @@ impl Owned<'_> {
     }
 
     /// What there is beside the column of these keys, at its height, where no column is.
-    fn rim(&self, plane: PlaneId, axis: usize, keys: &[VoxelKey], columns: &Columns) -> Vec<Column> {
+    fn rim(&self, plane: Option<PlaneId>, axis: usize, keys: &[VoxelKey], columns: &Columns) -> Vec<Column> {
         let mut rim = Vec::new();
         for (side, step) in [(1, -1), (1, 1), (2, -1), (2, 1)] {
             let e = (axis + side) % 3;
@@ -146,7 +146,7 @@ impl Owned<'_> {
 
     fn column(
         &self,
-        plane: PlaneId,
+        plane: Option<PlaneId>,
         place: [i32; 2],
         keys: &[VoxelKey],
         level: Option<&NoiseLevel>,
@@ -156,7 +156,7 @@ impl Owned<'_> {
         let mut seen: Vec<Sighting> = Vec::new();
         for cell in keys.iter().filter_map(|key| self.grid.find(*key)) {
             let index = cell.id().index();
-            if self.plane_of_cell.get(index).copied().flatten().is_some_and(|other| other != plane) {
+            if self.plane_of_cell.get(index).copied().flatten().is_some_and(|other| Some(other) != plane) {
                 of = Of::Others;
             }
             sum.get_or_insert(Stats::new(cell.centre())).merge(&cell.stats());
@@ -252,6 +252,17 @@ impl Columns {
         counts
     }
 
+    /// Those in a block about a place.
+    pub(crate) fn block(&self, place: [i32; 2], reach: u32) -> Vec<bool> {
+        let within = |column: &Column| (0..2).all(|i| column.place[i].abs_diff(place[i]) <= reach);
+        self.columns.iter().map(|column| column.of == Of::Plane && within(column)).collect()
+    }
+
+    /// The place of a voxel.
+    pub(crate) fn place(&self, key: VoxelKey) -> [i32; 2] {
+        [key[(self.axis + 1) % 3], key[(self.axis + 2) % 3]]
+    }
+
     /// Mean squared residuals in units of their variance, with their degrees of freedom: of points from the plane, and
     /// of the means of columns, which also tell of errors that neighbouring points share.
     pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
@@ -268,9 +279,9 @@ impl Columns {
                 of_means = (of_means.0 + deviation.mean, of_means.1 + 1.0);
             }
         }
-        [of_points, of_means].map(|(sum, freedom)| {
-            let freedom: f64 = freedom.max(1.0);
-            (sum / freedom, freedom)
+        [of_points, of_means].map(|(sum, freedom): (f64, f64)| {
+            // Three residuals tell nothing: a plane goes through three points.
+            if freedom < 1.0 { (0.0, 1.0) } else { (sum / freedom, freedom) }
         })
     }
 

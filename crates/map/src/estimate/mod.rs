@@ -1,5 +1,6 @@
 //! The plane of least variance and its covariance, from the errors of points and poses.
 
+mod cells;
 mod columns;
 mod level;
 mod shared;
@@ -16,6 +17,7 @@ use crate::mapper::View;
 use crate::nodes::Nodes;
 use crate::{ExtractedPlane, Mapper, Params, Weighting};
 
+pub use cells::CellPlane;
 use columns::{Columns, Near};
 pub use level::NoiseLevel;
 use level::Residuals;
@@ -127,7 +129,7 @@ pub(crate) fn estimate_planes(
     }
     let errors = Errors::of(mapper, nodes, settings.floor);
     let mut cells = Owned { grid, nodes, plane_of_cell, errors };
-    if !nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0) {
+    if !nodes.know_errors() {
         cells.errors.level = cells.found_out(planes, &nodes_of);
         cells.errors.level.as_ref()?;
     }
@@ -146,7 +148,7 @@ pub(crate) fn estimate_planes(
 impl<'m> Errors<'m> {
     fn of(mapper: &'m Mapper, nodes: &Nodes, floor: f64) -> Self {
         let views = mapper.views();
-        let known = nodes.stats.iter().any(|cell| cell.moments().noise().trace() > 0.0);
+        let known = nodes.know_errors();
         let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
         let sightings = views.iter().any(matters).then(|| Sightings::of(mapper));
         Self { views, sightings, level: None, floor }
@@ -175,7 +177,7 @@ impl Owned<'_> {
             .zip(nodes_of)
             .map(|(plane, of)| {
                 let near = Near::to(plane);
-                (self.columns(plane.id, of, &near, Some(&first)), near)
+                (self.columns(Some(plane.id), of, &near, Some(&first)), near)
             })
             .collect();
         let mut residuals = Residuals::default();
@@ -199,7 +201,7 @@ impl Owned<'_> {
     ///    column of d points, and is taken back.
     /// 4. The covariance of the points' errors grows with the residuals; those of the poses and the floor are added.
     fn estimate(&self, plane: PlaneId, of: &[u32], near: &Near) -> Option<Found> {
-        let columns = self.columns(plane, of, near, self.errors.level.as_ref());
+        let columns = self.columns(Some(plane), of, near, self.errors.level.as_ref());
         let floor = self.errors.floor;
         let fit = |counts: &[bool]| {
             let mut found = columns.fit(counts)?;
