@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use terrace::{Frame, Scan, Sigma};
-use terrace_io::{ErrorSource, Intrinsics, NoiseModel, ReadOptions, find_sources, read_scan};
+use terrace_io::{ErrorSource, FieldChoice, Intrinsics, ReadOptions, find_sources, read_scan};
+use terrace_noise::Kinect;
 
 /// Why a scan could not be read.
 pub type SceneError = Box<dyn Error + Send + Sync>;
@@ -27,7 +28,8 @@ pub fn npy(name: &str) -> Result<Vec<Scan>, SceneError> {
     Ok(vec![Scan::new(cloud.points, Sigma::Unknown, Frame::World { sensor: None })?])
 }
 
-/// Frames of the posed sequence `sevenscenes`, with the errors of its sensor; none when it is not there.
+/// Frames of the posed sequence `sevenscenes`, with the axial error of its sensor along every axis, as `terrace
+/// reproduce` takes it; none when it is not there.
 ///
 /// # Errors
 /// When a frame cannot be read.
@@ -35,10 +37,16 @@ pub fn sevenscenes(frames: Range<usize>) -> Result<Vec<Scan>, SceneError> {
     let Some(folder) = path("sevenscenes") else { return Ok(Vec::new()) };
     let options = ReadOptions {
         intrinsics: Some(Intrinsics::open(&folder.join("camera-intrinsics.txt"))?),
-        errors: ErrorSource::Model(NoiseModel::Kinect),
+        errors: ErrorSource::FromFile(FieldChoice::Ignore),
         ..ReadOptions::default()
     };
     let sources = find_sources(&[folder], None)?;
     let wanted = sources.iter().skip(frames.start).take(frames.len());
-    wanted.map(|source| Ok(read_scan(source, &options)?)).collect()
+    let kinect = Kinect::default();
+    let with_errors = |scan: Scan| {
+        let sigma = |point: &[f64; 3]| kinect.axial(point[2], None).unwrap_or(f64::NAN);
+        let sigmas = scan.points().iter().map(sigma).collect();
+        scan.with_sigma(Sigma::PerPoint(sigmas))
+    };
+    wanted.map(|source| Ok(with_errors(read_scan(source, &options)?)?)).collect()
 }

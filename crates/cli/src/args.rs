@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use terrace_noise::{PoseSigma, SensorNoise};
 
 use crate::eval_args::EvalArgs;
 
@@ -48,11 +49,13 @@ Examples:
   terrace extract room.ply --out planes
       One cloud. Cell size and density threshold are chosen from the data and reported.
   terrace extract table.pcd --sensor kinect --out planes --picture
-      Standard errors of a Kinect by distance; and a picture of the planes from two sides.
+      Errors of a Kinect, along each ray and across it; and a picture of the planes from two sides.
   terrace extract kitchen/ --intrinsics 585,585,320,240 --sensor kinect --out planes
       A folder of NAME.depth.png with NAME.pose.txt beside them: a posed sequence.
   terrace extract scans/*.pcd --poses poses.tum --out planes
       Clouds in the sensor's frame and a trajectory (TUM, KITTI, 4x4, Open3D log).
+  terrace extract scans/*.pcd --poses poses.tum --sensor lidar:range=0.02,angle=0.1deg --pose-sigma 0.02,0.1deg --out planes
+      The same with the errors of a lidar, and poses that are sure to 2 cm and 0.1 degrees.
 
 Written to DIR: planes.json (see docs/planes-json.md), labels.npy (one int32 per input point, all inputs in order, 0 is
 no plane), points.ply (coloured by plane).")]
@@ -105,6 +108,21 @@ pub struct ExtractArgs {
     /// Poses of the scans, from sensor to world: TUM, KITTI, 4x4 matrices, Open3D log, or a folder of 4x4 files
     #[arg(long, value_name = "FILE", help_heading = "Input")]
     pub poses: Option<PathBuf>,
+    /// How sure the poses are, the same for every scan: standard deviations of the translation in metres and of the
+    /// rotation with its unit, as 0.02,0.3deg or 0.02,5mrad or 0.02,0.005rad
+    #[arg(
+        long,
+        value_name = "T,R",
+        conflicts_with = "pose_covariances",
+        allow_hyphen_values = true,
+        help_heading = "Input"
+    )]
+    pub pose_sigma: Option<PoseSigma>,
+    /// How sure each pose is, a row of text for each: 36 numbers, the 6x6 covariance row by row, translation before
+    /// rotation, along the axes of the world and about the sensor, in m and rad; or 2 numbers, standard deviations of
+    /// the translation in m and of the rotation in rad
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
+    pub pose_covariances: Option<PathBuf>,
     /// Also draw the planes from two sides into DIR/planes.png
     #[arg(long, help_heading = "Output")]
     pub picture: bool,
@@ -141,9 +159,11 @@ pub struct ReadArgs {
         help_heading = "Input"
     )]
     pub sigma: Option<f64>,
-    /// Standard errors by the sensor's noise model
-    #[arg(long, value_enum, help_heading = "Input")]
-    pub sensor: Option<Sensor>,
+    /// Errors of the points by a noise model: kinect | kinect:focal=525 | stereo:fb=80,disparity=0.2,focal=700 |
+    /// lidar:range=0.02,angle=0.1deg | uniform:0.01 | axes:0.01,0.01,0.02. Lengths in metres, fb in px m, disparity and
+    /// focal in px, angle in deg, mrad or rad
+    #[arg(long, value_name = "SPEC", help_heading = "Input")]
+    pub sensor: Option<SensorNoise>,
     /// Field of the files that holds the standard error [default: sigma, or sigma_x, sigma_y, sigma_z]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["sigma", "sensor"], help_heading = "Input")]
     pub sigma_field: Option<String>,
@@ -389,13 +409,6 @@ impl From<Most> for Option<usize> {
             Most::All => None,
         }
     }
-}
-
-/// Noise models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Sensor {
-    /// sigma(z) = 0.0012 + 0.0019 (z - 0.4)^2 metres
-    Kinect,
 }
 
 /// Synthetic scenes.

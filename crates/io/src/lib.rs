@@ -9,6 +9,7 @@
 //! | NPY | [`npy`] | N×3 or H×W×3 points; labels |
 //! | 16-bit depth PNG | [`depth`] | with [`Intrinsics`] and raw units per metre; 0 and 65535 are no measurement |
 //! | TUM, KITTI, 4×4 matrices, `Open3D` log, NPY | [`trajectory`] | poses |
+//! | covariances of poses | [`pose_noise`] | text, 36 or 2 numbers a row |
 //! | `planes.json` | [`planes_json`] | its fields are in `docs/planes-json.md` |
 //!
 //! | written | by |
@@ -22,11 +23,11 @@
 //! or a [`Trajectory`](trajectory::Trajectory), which open no file.
 //!
 //! ```no_run
-//! use terrace_io::{ErrorSource, NoiseModel, ReadOptions, find_sources, read_scan};
+//! use terrace_io::{ErrorSource, ReadOptions, find_sources, read_scan};
 //!
 //! let options = ReadOptions {
 //!     intrinsics: Some("585,585,320,240".parse()?),
-//!     errors: ErrorSource::Model(NoiseModel::Kinect),
+//!     errors: ErrorSource::Model("kinect".parse()?),
 //!     ..ReadOptions::default()
 //! };
 //! // A folder of NAME.depth.png with NAME.pose.txt beside them.
@@ -38,6 +39,9 @@
 //! ```
 //!
 //! **Units and frames.** Metres and seconds. A scan keeps the frame of its file, see [`read_scan`].
+//!
+//! **Errors of points** come from fields of the file or from a noise model of the sensor (`terrace_noise`), see
+//! [`ErrorSource`].
 //!
 //! **Absent measurements** keep their place in a scan as NaN, so that one label per input point can be written.
 //!
@@ -51,6 +55,7 @@
 //! the pinhole without distortion.
 
 mod atomic;
+mod by_model;
 mod cloud;
 pub mod depth;
 mod detect;
@@ -59,17 +64,18 @@ mod inspect;
 mod intrinsics;
 mod labels;
 mod natural;
-mod noise;
 pub mod npy;
 pub mod palette;
 pub mod pcd;
 pub mod planes_json;
 pub mod ply;
 mod ply_out;
+pub mod pose_noise;
 mod read;
 pub mod source;
 mod spacing;
 pub mod text;
+mod tokens;
 pub mod trajectory;
 
 pub use atomic::{WriteError, WriteErrorKind, write_atomically};
@@ -80,10 +86,9 @@ pub use inspect::{Info, inspect};
 pub use intrinsics::{Intrinsics, IntrinsicsError};
 pub use labels::write_labels_npy;
 pub use natural::natural_order;
-pub use noise::NoiseModel;
 pub use ply_out::{LabelledPoint, MeasuredPoint, PlyExtent, write_labelled_ply, write_measured_ply};
-pub use read::{ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_scan};
-pub use source::{Source, SourceError, find_sources};
+pub use read::{Counted, ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_counted, read_scan};
+pub use source::{Source, SourceError, find_sources, find_uncertain_sources};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use terrace_noise::{ScanNoiseError, SensorNoise};
 use terrace_types::{Frame, Pose, Scan, ScanError, Sigma};
 
 use crate::depth::{DEFAULT_DEPTH_SCALE, DepthError, DepthImage};
@@ -10,15 +11,32 @@ use crate::npy::NpyError;
 use crate::pcd::PcdError;
 use crate::ply::PlyError;
 use crate::text::TextError;
-use crate::{Cloud, FieldChoice, Intrinsics, NoiseModel, Source, npy, pcd, ply, source, text};
+use crate::{Cloud, FieldChoice, Intrinsics, Source, by_model, npy, pcd, ply, source, text};
 
-/// Where the standard errors of points come from.
+/// The axis along which a depth camera measures, in its own frame.
+const OPTICAL_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Where the errors of points come from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorSource {
     /// From fields of the file; [`Sigma::Unknown`] when it has none and none was asked for by name.
     FromFile(FieldChoice),
-    /// From a model; fields of the file are not looked at.
-    Model(NoiseModel),
+    /// From the noise model of the sensor; fields of the file are not looked at.
+    ///
+    /// * [`Uniform`](SensorNoise::Uniform) gives [`Sigma::Uniform`].
+    /// * [`PerAxis`](SensorNoise::PerAxis) is along the axes of the *world*. Where the points are in the world, or the
+    ///   frames of sensor and world are parallel, it gives [`Sigma::PerAxis`]; where a pose turns them,
+    ///   [`Sigma::Covariance`] in the frame of the sensor.
+    /// * The others give [`Sigma::Covariance`]. They need the place of the sensor: with a pose it is the origin of the
+    ///   points' frame; in the world it is the translation of the VIEWPOINT of a PCD, and without one there is
+    ///   [`ReadErrorKind::NoSensorPosition`]. Depth images are measured along +z of the camera's frame; of clouds the
+    ///   optical axis is not known, and their depth is the straight distance from the sensor.
+    ///
+    /// For these others a point at the place of the sensor itself is no measurement (many recorders write 0 0 0 for
+    /// none), nor is one so far away that its variance is above 10¹⁰⁰ m². Such points are made absent, as no error
+    /// could be given for them; [`read_counted`] tells how many. Points outside the
+    /// [`valid_depths`](SensorNoise::valid_depths) of a model stay, with what its formula gives there.
+    Model(SensorNoise),
 }
 
 /// How files are read. The default asks nothing of the caller but the intrinsics of depth images.
@@ -104,11 +122,17 @@ pub enum ReadErrorKind {
         /// The format.
         format: &'static str,
     },
-    /// A noise model needs the distance of points, and it is not known where the sensor stood.
+    /// A noise model needs the place of the sensor, and it is not known.
     #[error(
-        "this noise model needs to know where the sensor stood: give a pose for the scan, or a PCD with a VIEWPOINT"
+        "the noise model {noise} needs to know where the sensor stood: give a pose for the scan, or a PCD with a VIEWPOINT"
     )]
-    NoSensorPosition,
+    NoSensorPosition {
+        /// The model.
+        noise: SensorNoise,
+    },
+    /// A noise model does not fit the scan.
+    #[error(transparent)]
+    Noise(#[from] ScanNoiseError),
     /// Points, errors or position contradict what a scan may hold.
     #[error(transparent)]
     Scan(#[from] ScanError),
@@ -126,8 +150,7 @@ pub(crate) enum Content {
 /// the world, and the translation of the VIEWPOINT of a PCD is the place of the sensor, as PCL's normal estimation takes
 /// it. A depth image without a pose is in its own frame, at the origin.
 ///
-/// **Errors.** See [`ErrorSource`]. A [`NoiseModel`] takes the z of depth images and the distance from the sensor of
-/// everything else.
+/// **Errors.** See [`ErrorSource`].
 ///
 /// ```
 /// use terrace_io::{ReadOptions, Source, read_scan, write_atomically};
@@ -143,43 +166,54 @@ pub(crate) enum Content {
 /// # Errors
 /// [`ReadError`] naming the file.
 pub fn read_scan(source: &Source, options: &ReadOptions) -> Result<Scan, ReadError> {
+    read_counted(source, options).map(|counted| counted.scan)
+}
+
+/// A scan, and what its noise model made of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Counted {
+    /// The scan.
+    pub scan: Scan,
+    /// Points that the file has and the scan has not: the noise model says that they are no measurements, see
+    /// [`ErrorSource::Model`]. They keep their place as absent ones.
+    pub not_measured: usize,
+}
+
+/// As [`read_scan`], with the number of points that were made absent.
+///
+/// # Errors
+/// [`ReadError`] naming the file.
+pub fn read_counted(source: &Source, options: &ReadOptions) -> Result<Counted, ReadError> {
     let in_file = |kind| ReadError { path: source.path.clone(), kind: Box::new(kind) };
     load(&source.path).and_then(|bytes| scan(&source.path, &bytes, source.pose, options)).map_err(in_file)
 }
 
-fn scan(path: &Path, bytes: &[u8], pose: Option<Pose>, options: &ReadOptions) -> Result<Scan, ReadErrorKind> {
-    let (points, sigma, frame) = match parse(path, bytes, &options.errors)? {
+fn scan(
+    path: &Path,
+    bytes: &[u8],
+    pose: Option<Pose>,
+    options: &ReadOptions,
+) -> Result<Counted, ReadErrorKind> {
+    let (mut points, sigma, frame, axis) = match parse(path, bytes, &options.errors)? {
         Content::Depth(image) => {
             let camera = options.intrinsics.ok_or(ReadErrorKind::NoIntrinsics)?;
             let points = image.points(&camera, options.depth_scale)?;
-            let sigma = match options.errors {
-                ErrorSource::FromFile(_) => Sigma::Unknown,
-                ErrorSource::Model(model) => model.of_depth(&points),
-            };
-            (points, sigma, Frame::Sensor { pose: pose.unwrap_or(Pose::IDENTITY) })
+            let frame = Frame::Sensor { pose: pose.unwrap_or(Pose::IDENTITY) };
+            (points, Sigma::Unknown, frame, Some(OPTICAL_AXIS))
         }
         Content::Cloud(cloud) => {
             let frame = match pose {
                 Some(pose) => Frame::Sensor { pose },
                 None => Frame::World { sensor: cloud.viewpoint.map(|v| v.translation()) },
             };
-            let sigma = match options.errors {
-                ErrorSource::FromFile(_) => cloud.sigma,
-                ErrorSource::Model(model) => model_sigma(model, &cloud.points, frame)?,
-            };
-            (cloud.points, sigma, frame)
+            (cloud.points, cloud.sigma, frame, None)
         }
     };
-    Ok(Scan::new(points, sigma, frame)?)
-}
-
-fn model_sigma(model: NoiseModel, points: &[[f64; 3]], frame: Frame) -> Result<Sigma, ReadErrorKind> {
-    match frame {
-        Frame::World { sensor: Some(sensor) } => Ok(model.of_ranges(points, sensor)),
-        Frame::World { sensor: None } if model.needs_distance() => Err(ReadErrorKind::NoSensorPosition),
-        // Before the pose is applied the sensor is the origin.
-        Frame::Sensor { .. } | Frame::World { sensor: None } => Ok(model.of_ranges(points, [0.0; 3])),
-    }
+    let (sigma, not_measured) = match options.errors {
+        ErrorSource::FromFile(_) => (sigma, 0),
+        ErrorSource::Model(noise) => by_model::errors(noise, &mut points, frame, axis)?,
+    };
+    Ok(Counted { scan: Scan::new(points, sigma, frame)?, not_measured })
 }
 
 /// The bytes of a file.

@@ -13,9 +13,10 @@ use std::path::PathBuf;
 use common::{depth_png, write};
 use tempfile::TempDir;
 use terrace_io::{
-    DepthError, ErrorSource, FieldChoice, Info, NoiseModel, ReadError, ReadErrorKind, ReadOptions, Source,
-    inspect, read_scan,
+    DepthError, ErrorSource, FieldChoice, Info, ReadError, ReadErrorKind, ReadOptions, Source, inspect,
+    read_scan,
 };
+use terrace_noise::Kinect;
 use terrace_types::{Frame, Pose, Scan, ScanError, Sigma};
 
 const PCD: &str = "VERSION 0.7\nFIELDS x y z sigma\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\n\
@@ -47,12 +48,12 @@ impl Files {
     }
 }
 
-fn model(model: NoiseModel) -> ReadOptions {
-    ReadOptions { errors: ErrorSource::Model(model), ..ReadOptions::default() }
+fn model(text: &str) -> ReadOptions {
+    ReadOptions { errors: ErrorSource::Model(text.parse().unwrap()), ..ReadOptions::default() }
 }
 
 fn kinect_camera() -> ReadOptions {
-    ReadOptions { intrinsics: Some("585,585,0,0".parse().unwrap()), ..model(NoiseModel::Kinect) }
+    ReadOptions { intrinsics: Some("585,585,0,0".parse().unwrap()), ..model("kinect") }
 }
 
 #[test]
@@ -67,40 +68,16 @@ fn viewpoint_is_the_place_of_the_sensor() {
 fn pose_from_outside_wins_over_viewpoint() {
     let pose = Pose::from_quaternion([1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
     let files = Files::new();
-    let source = Source { path: files.path("a.pcd", PCD), pose: Some(pose) };
-    let scan = read_scan(&source, &model(NoiseModel::Kinect)).unwrap();
+    let source = Source { pose: Some(pose), ..Source::new(files.path("a.pcd", PCD)) };
+    let scan = read_scan(&source, &ReadOptions::default()).unwrap();
     assert_eq!(scan.frame(), Frame::Sensor { pose });
-    // The model counts from the origin of the sensor's frame.
-    let expected = NoiseModel::Kinect.sigma(13.0_f64.sqrt());
-    assert!(matches!(scan.sigma(), Sigma::PerPoint(s) if s[1] == expected));
 }
 
 #[test]
-fn noise_model_counts_from_the_viewpoint() {
-    let scan = Files::new().read("a.pcd", PCD, &model(NoiseModel::Kinect)).unwrap();
-    let expected = [2.0, 5.0].map(|z| NoiseModel::Kinect.sigma(z));
-    assert!(matches!(scan.sigma(), Sigma::PerPoint(s) if s[..2] == expected));
-    let scan = Files::new().read("a.pcd", PCD, &model(NoiseModel::Uniform(0.01))).unwrap();
-    assert_eq!(scan.sigma(), &Sigma::Uniform(0.01));
-}
-
-#[test]
-fn noise_model_without_a_place_of_the_sensor() {
-    let files = Files::new();
-    let error = files.read("a.xyz", "0 0 0\n1 1 1\n", &model(NoiseModel::Kinect)).unwrap_err();
-    assert!(matches!(error, ReadErrorKind::NoSensorPosition));
-    let scan = files.read("a.xyz", "0 0 0\n1 1 1\n", &model(NoiseModel::Uniform(0.02))).unwrap();
-    assert_eq!(scan.frame(), Frame::World { sensor: None });
-}
-
-#[test]
-fn sigma_negative_or_nan() {
-    for sigma in [-0.01, f64::NAN, f64::INFINITY] {
-        let error = Files::new().read("a.xyz", "0 0 0\n", &model(NoiseModel::Uniform(sigma))).unwrap_err();
-        assert!(matches!(error, ReadErrorKind::Scan(ScanError::Sigma(_))));
-    }
+fn sigma_of_the_file_negative() {
     let negative = PCD.replace("0.25", "-0.25");
     let error = Files::new().read("a.pcd", negative, &ReadOptions::default()).unwrap_err();
+    assert!(matches!(error, ReadErrorKind::Scan(ScanError::Sigma(_))));
     assert!(error.to_string().contains("-0.25"), "{error}");
 }
 
@@ -112,8 +89,9 @@ fn depth_image() {
     assert_eq!(scan.frame(), Frame::Sensor { pose: Pose::IDENTITY });
     assert_eq!((scan.len(), scan.present()), (4, 2));
     assert_eq!(scan.points()[3], [2.4 / 585.0, 2.4 / 585.0, 2.4]);
-    let expected = [1.4, 2.4].map(|z| NoiseModel::Kinect.sigma(z));
-    assert!(matches!(scan.sigma(), Sigma::PerPoint(s) if [s[0], s[3]] == expected));
+    let sigma_z = [0, 3].map(|i| scan.sigma().of(i).unwrap()[2]);
+    let expected = [1.4, 2.4].map(|z| Kinect::default().axial(z, None).unwrap());
+    assert!((0..2).all(|i| (sigma_z[i] - expected[i]).abs() < 1e-15), "{sigma_z:?}");
 
     let error = files.read("a.png", &png, &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ReadErrorKind::NoIntrinsics));

@@ -12,13 +12,12 @@ mod common;
 use common::{data, difference};
 use terrace_io::trajectory::{self, TrajectoryFormat};
 use terrace_io::{
-    DepthImage, ErrorSource, Intrinsics, NoiseModel, ReadOptions, Source, find_sources, inspect, npy,
-    read_scan,
+    DepthImage, ErrorSource, Intrinsics, ReadOptions, Source, find_sources, inspect, npy, read_scan,
 };
 use terrace_types::{Frame, Pose};
 
 fn camera(text: &str) -> ReadOptions {
-    let errors = ErrorSource::Model(NoiseModel::Kinect);
+    let errors = ErrorSource::Model("kinect".parse().unwrap());
     ReadOptions { intrinsics: Some(text.parse().unwrap()), errors, ..ReadOptions::default() }
 }
 

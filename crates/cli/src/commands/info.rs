@@ -2,7 +2,7 @@
 
 use terrace_io::{Info, inspect};
 
-use crate::args::InfoArgs;
+use crate::args::{InfoArgs, ReadArgs};
 use crate::commands::extract::read_options;
 use crate::error::CliError;
 
@@ -12,7 +12,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     let mut last = None;
     for path in &args.files {
         match inspect(path, &options) {
-            Ok(info) => print!("{}\n{}", path.display(), text(&info)),
+            Ok(info) => print!("{}\n{}", path.display(), text(&info, &args.read)),
             Err(error) => {
                 eprintln!("terrace: {error}");
                 last = Some(error);
@@ -22,7 +22,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     last.map_or(Ok(()), |error| Err(error.into()))
 }
 
-fn text(info: &Info) -> String {
+fn text(info: &Info, args: &ReadArgs) -> String {
     let mut lines = vec![("format", info.format.to_owned())];
     if let Some([width, height]) = info.image_size {
         lines.push(("image", format!("{width} x {height} pixels")));
@@ -44,9 +44,11 @@ fn text(info: &Info) -> String {
     if let Some(spacing) = info.spacing {
         lines.push(("spacing", format!("{spacing:.4} m to the nearest point (median)")));
     }
-    lines.push(match info.sigma {
-        Some([lo, hi]) => ("sigma", format!("{lo:.5} to {hi:.5} m")),
-        None => ("sigma", "not in the file".to_owned()),
+    lines.push(match (info.sigma, args.sigma, args.sensor) {
+        (_, Some(sigma), _) => ("sigma", format!("{sigma} m, as given")),
+        (_, None, Some(noise)) => ("sigma", format!("by {noise}, as given")),
+        (Some([lo, hi]), ..) => ("sigma", format!("{lo:.5} to {hi:.5} m")),
+        (None, ..) => ("sigma", "not in the file".to_owned()),
     });
     if let Some(pose) = info.viewpoint {
         let [x, y, z] = pose.translation();

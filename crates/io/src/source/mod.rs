@@ -18,6 +18,9 @@
 //! 3. the last number in the name of the scan is the index of its pose, from 0 (`full16.pcd`).
 //!
 //! With a folder of poses, one in each file, the last number in the names tells which belong together.
+//!
+//! **Noise of poses**, a file with a row for each pose ([`pose_noise`](crate::pose_noise)): as many rows as poses in the
+//! file of poses belong to these, row by row; otherwise there must be as many as scans, and they are in order.
 
 mod folder;
 mod poses;
@@ -26,9 +29,11 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use terrace_noise::PoseNoise;
 use terrace_types::Pose;
 
 use crate::FileError;
+use crate::pose_noise::{self, PoseNoiseTextError};
 use crate::trajectory::TrajectoryError;
 
 pub(crate) use folder::extension;
@@ -41,12 +46,14 @@ pub struct Source {
     pub path: PathBuf,
     /// The pose of the sensor, when one was found outside the file.
     pub pose: Option<Pose>,
+    /// How sure the pose is; `None` when that was not told.
+    pub pose_noise: Option<PoseNoise>,
 }
 
 impl Source {
     /// A file whose pose is not known, or is in the file itself.
     pub fn new(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), pose: None }
+        Self { path: path.into(), pose: None, pose_noise: None }
     }
 }
 
@@ -92,6 +99,24 @@ pub enum SourceError {
     /// A file of poses is damaged.
     #[error(transparent)]
     Poses(#[from] FileError<TrajectoryError>),
+    /// A file with the noise of poses is damaged.
+    #[error(transparent)]
+    PoseNoise(#[from] FileError<PoseNoiseTextError>),
+    /// The rows of a file with the noise of poses are neither as many as the scans nor as many as the poses.
+    #[error(
+        "{}: {rows} rows for {scans} scans{}: give a row for each", path.display(),
+        poses.map_or_else(String::new, |poses| format!(" with {poses} poses"))
+    )]
+    PoseNoiseCount {
+        /// The file.
+        path: PathBuf,
+        /// Rows in it.
+        rows: usize,
+        /// Number of scans.
+        scans: usize,
+        /// Number of poses, when they are in one file.
+        poses: Option<usize>,
+    },
     /// A file that should hold the pose of one scan holds several.
     #[error("{}: holds {count} poses where the one of a single scan was expected", path.display())]
     NotOnePose {
@@ -167,6 +192,54 @@ pub enum SourceError {
 /// # Errors
 /// [`SourceError`] when there is no input, one leads to no scan, or poses cannot be read or matched.
 pub fn find_sources<P: AsRef<Path>>(inputs: &[P], poses: Option<&Path>) -> Result<Vec<Source>, SourceError> {
+    find(inputs, poses).map(|found| found.sources)
+}
+
+/// As [`find_sources`], with the noise of each pose from the file `noise`; see the [module page](self).
+///
+/// # Errors
+/// [`SourceError`] as for [`find_sources`], and when the file is damaged or has not as many rows as there are poses.
+pub fn find_uncertain_sources<P: AsRef<Path>>(
+    inputs: &[P],
+    poses: Option<&Path>,
+    noise: &Path,
+) -> Result<Vec<Source>, SourceError> {
+    let Found { mut sources, order } = find(inputs, poses)?;
+    let rows = pose_noise::open(noise)?;
+    let of_scan: Vec<PoseNoise> = match order {
+        Some(Order { poses, of_scan }) if poses == rows.len() => {
+            of_scan.into_iter().filter_map(|index| rows.get(index).copied()).collect()
+        }
+        _ if rows.len() == sources.len() => rows,
+        order => {
+            return Err(SourceError::PoseNoiseCount {
+                path: noise.to_owned(),
+                rows: rows.len(),
+                scans: sources.len(),
+                poses: order.map(|order| order.poses),
+            });
+        }
+    };
+    for (source, noise) in sources.iter_mut().zip(of_scan) {
+        source.pose_noise = Some(noise);
+    }
+    Ok(sources)
+}
+
+/// Scans with their poses.
+struct Found {
+    sources: Vec<Source>,
+    /// When the poses are from one file.
+    order: Option<Order>,
+}
+
+/// Which of the poses of a file each scan has.
+struct Order {
+    poses: usize,
+    of_scan: Vec<usize>,
+}
+
+fn find<P: AsRef<Path>>(inputs: &[P], poses: Option<&Path>) -> Result<Found, SourceError> {
     if inputs.is_empty() {
         return Err(SourceError::NoInput);
     }
@@ -175,8 +248,8 @@ pub fn find_sources<P: AsRef<Path>>(inputs: &[P], poses: Option<&Path>) -> Resul
         expand(input.as_ref(), &mut scans)?;
     }
     match poses {
-        None => poses::beside(scans),
-        Some(path) if path.is_dir() => poses::from_folder(scans, path),
+        None => Ok(Found { sources: poses::beside(scans)?, order: None }),
+        Some(path) if path.is_dir() => Ok(Found { sources: poses::from_folder(scans, path)?, order: None }),
         Some(path) => poses::from_file(scans, path),
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use terrace_types::Pose;
 
-use super::{Source, SourceError, folder};
+use super::{Found, Order, Source, SourceError, folder};
 use crate::natural::last_number;
 use crate::trajectory::{self, Trajectory};
 
@@ -18,7 +18,7 @@ pub(super) fn beside(scans: Vec<PathBuf>) -> Result<Vec<Source>, SourceError> {
     for path in scans {
         let sidecar = pose_file_beside(&path);
         let pose = if sidecar.is_file() { Some(only_pose(&sidecar)?) } else { None };
-        sources.push(Source { path, pose });
+        sources.push(Source { pose, ..Source::new(path) });
     }
     let is_image = |s: &&Source| folder::extension(&s.path) == "png";
     if sources.iter().filter(is_image).any(|s| s.pose.is_some())
@@ -30,16 +30,19 @@ pub(super) fn beside(scans: Vec<PathBuf>) -> Result<Vec<Source>, SourceError> {
 }
 
 /// Poses from one file for all scans.
-pub(super) fn from_file(scans: Vec<PathBuf>, file: &Path) -> Result<Vec<Source>, SourceError> {
+pub(super) fn from_file(scans: Vec<PathBuf>, file: &Path) -> Result<Found, SourceError> {
     let trajectory = trajectory::open(file)?;
-    let poses = if trajectory.poses.len() == scans.len() {
-        trajectory.poses.iter().map(|p| p.pose).collect()
-    } else if let Some(poses) = by_time(&scans, &trajectory, file)? {
-        poses
+    let count = trajectory.poses.len();
+    let of_scan = if count == scans.len() {
+        (0..count).collect()
+    } else if let Some(indices) = by_time(&scans, &trajectory, file)? {
+        indices
     } else {
-        by_index(&scans, &trajectory, file)?
+        by_index(&scans, count, file)?
     };
-    Ok(scans.into_iter().zip(poses).map(|(path, pose)| Source { path, pose: Some(pose) }).collect())
+    let poses = of_scan.iter().map(|index| trajectory.poses.get(*index).map(|p| p.pose));
+    let sources = scans.into_iter().zip(poses).map(|(path, pose)| Source { pose, ..Source::new(path) });
+    Ok(Found { sources: sources.collect(), order: Some(Order { poses: count, of_scan }) })
 }
 
 /// Poses from a folder with a file for each scan, matched by the last number in the names.
@@ -68,30 +71,31 @@ pub(super) fn from_folder(scans: Vec<PathBuf>, place: &Path) -> Result<Vec<Sourc
             });
         };
         let pose = Some(only_pose(file)?);
-        sources.push(Source { path, pose });
+        sources.push(Source { pose, ..Source::new(path) });
     }
     Ok(sources)
 }
 
-/// The pose nearest to the time in each name; `None` when poses or names have no time stamps.
+/// The index of the pose nearest to the time in each name; `None` when poses or names have no time stamps.
 fn by_time(
     scans: &[PathBuf],
     trajectory: &Trajectory,
     file: &Path,
-) -> Result<Option<Vec<Pose>>, SourceError> {
+) -> Result<Option<Vec<usize>>, SourceError> {
     let stamps: Option<Vec<f64>> = scans.iter().map(|path| time_stamp(&stem(path))).collect();
-    let timed: Option<Vec<(f64, Pose)>> = trajectory.poses.iter().map(|p| Some((p.time?, p.pose))).collect();
+    let timed: Option<Vec<(f64, usize)>> =
+        trajectory.poses.iter().zip(0..).map(|(p, index)| Some((p.time?, index))).collect();
     let (Some(stamps), Some(mut timed)) = (stamps, timed) else { return Ok(None) };
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut poses = Vec::with_capacity(scans.len());
+    let mut indices = Vec::with_capacity(scans.len());
     for (stamp, scan) in stamps.into_iter().zip(scans) {
         let after = timed.partition_point(|(time, _)| *time < stamp);
         let neighbours =
             [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|i| timed.get(i));
         let nearest =
-            neighbours.map(|(time, pose)| ((time - stamp).abs(), *pose)).min_by(|a, b| a.0.total_cmp(&b.0));
+            neighbours.map(|(time, index)| ((time - stamp).abs(), *index)).min_by(|a, b| a.0.total_cmp(&b.0));
         match nearest {
-            Some((distance, pose)) if distance <= MAX_STAMP_DISTANCE => poses.push(pose),
+            Some((distance, index)) if distance <= MAX_STAMP_DISTANCE => indices.push(index),
             other => {
                 let distance = other.map_or(f64::INFINITY, |(distance, _)| distance);
                 return Err(SourceError::NoPoseAtTime {
@@ -102,31 +106,31 @@ fn by_time(
             }
         }
     }
-    Ok(Some(poses))
+    Ok(Some(indices))
 }
 
-/// The pose whose index, from 0, is the last number in each name.
-fn by_index(scans: &[PathBuf], trajectory: &Trajectory, file: &Path) -> Result<Vec<Pose>, SourceError> {
-    let mut taken = vec![false; trajectory.poses.len()];
-    let mut poses = Vec::with_capacity(scans.len());
+/// The index of a pose, from 0, that is the last number in each name.
+fn by_index(scans: &[PathBuf], poses: usize, file: &Path) -> Result<Vec<usize>, SourceError> {
+    let mut taken = vec![false; poses];
+    let mut indices = Vec::with_capacity(scans.len());
     for scan in scans {
         let index = last_number(&stem(scan)).and_then(|n| usize::try_from(n).ok()).unwrap_or(usize::MAX);
-        match (trajectory.poses.get(index), taken.get_mut(index)) {
-            (Some(found), Some(taken)) if !*taken => {
+        match taken.get_mut(index) {
+            Some(taken) if !*taken => {
                 *taken = true;
-                poses.push(found.pose);
+                indices.push(index);
             }
             _ => {
                 return Err(SourceError::CountMismatch {
                     path: file.to_owned(),
-                    poses: trajectory.poses.len(),
+                    poses,
                     scans: scans.len(),
                     scan: scan.clone(),
                 });
             }
         }
     }
-    Ok(poses)
+    Ok(indices)
 }
 
 fn only_pose(file: &Path) -> Result<Pose, SourceError> {

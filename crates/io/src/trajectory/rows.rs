@@ -1,6 +1,7 @@
 //! Lines of numbers.
 
 use super::{TrajectoryError, TrajectoryFormat};
+use crate::tokens::{tokens, without_comment};
 
 /// More values than any kind of line has.
 const MOST: usize = 16;
@@ -71,31 +72,15 @@ impl<'a> Rows<'a> {
 
     fn parse(&self, text: &str) -> Result<Row, TrajectoryError> {
         let mut row = Row { line: self.line, values: [0.0; MOST + 1], count: 0 };
-        // Between two commas there must be a number; the comma at the end of a line separates nothing.
-        for field in text.strip_suffix(',').unwrap_or(text).split(',') {
-            let mut tokens = field.split_whitespace();
-            let mut token = tokens.next().unwrap_or_default();
-            loop {
-                let Some(place) = row.values.get_mut(row.count) else { return Ok(row) };
-                *place = token.parse().map_err(|_| TrajectoryError::NotANumber {
-                    line: self.line,
-                    column: row.count + 1,
-                    text: token.chars().take(40).collect(),
-                })?;
-                row.count += 1;
-                match tokens.next() {
-                    Some(next) => token = next,
-                    None => break,
-                }
-            }
+        for token in tokens(text) {
+            let Some(place) = row.values.get_mut(row.count) else { return Ok(row) };
+            *place = token.parse().map_err(|_| TrajectoryError::NotANumber {
+                line: self.line,
+                column: row.count + 1,
+                text: token.chars().take(40).collect(),
+            })?;
+            row.count += 1;
         }
         Ok(row)
     }
-}
-
-/// The text before a `#` that starts it or follows a space; within a word, as in `-1.#IND`, it is no comment.
-fn without_comment(text: &str) -> &str {
-    let before = |(at, _)| text.get(..at).unwrap_or_default();
-    let mut comments = text.match_indices('#').map(before);
-    comments.find(|before| before.is_empty() || before.ends_with(char::is_whitespace)).unwrap_or(text)
 }

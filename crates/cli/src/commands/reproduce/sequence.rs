@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use terrace::{Mapper, Params, PlaneMap};
+use terrace::{Frame, Mapper, Params, PlaneMap, Sigma};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
-use terrace_io::{ErrorSource, NoiseModel, ReadOptions, find_sources};
+use terrace_io::{
+    Counted, ErrorSource, FieldChoice, ReadError, ReadErrorKind, ReadOptions, Source, find_sources, read_scan,
+};
+use terrace_noise::{Kinect, SensorNoise};
 
 use super::runs::{row, run as run_all};
 use crate::args::ReproduceArgs;
@@ -27,13 +30,14 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     };
     let options = ReadOptions {
         intrinsics: Some(intrinsics(&args.intrinsics)?),
-        errors: ErrorSource::Model(NoiseModel::Kinect),
+        errors: ErrorSource::FromFile(FieldChoice::Ignore),
         ..ReadOptions::default()
     };
     let sources = find_sources(&[data], None)?;
     let mut progress = Progress::new(args.quiet);
     let runs = run_all(params, |mapper: &mut Mapper| {
-        insert_all(mapper, &sources, &options, &mut progress, &mut Timings::default()).map(|_| ())
+        let read = |source: &Source| read_with_axial_errors(source, &options);
+        insert_all(mapper, &sources, read, &mut progress, &mut Timings::default()).map(|_| ())
     })?;
     progress.finish();
 
@@ -58,6 +62,21 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     }
     println!("figures: {0}/fig3.png, {0}/fig4.png\n", args.out.display());
     Ok(())
+}
+
+/// A depth image with the errors that the paper takes: one σ for all axes, here the Kinect's along its optical axis, at
+/// an incidence that is not known.
+fn read_with_axial_errors(source: &Source, options: &ReadOptions) -> Result<Counted, ReadError> {
+    let refused = |kind| ReadError { path: source.path.clone(), kind: Box::new(kind) };
+    let scan = read_scan(source, options)?;
+    let kinect = Kinect::default();
+    if let Frame::World { .. } = scan.frame() {
+        return Err(refused(ReadErrorKind::NoSensorPosition { noise: SensorNoise::Kinect(kinect) }));
+    }
+    let sigma = |point: &[f64; 3]| kinect.axial(point[2], None).unwrap_or(f64::NAN);
+    let sigmas = Sigma::PerPoint(scan.points().iter().map(sigma).collect());
+    let scan = scan.with_sigma(sigmas).map_err(|error| refused(ReadErrorKind::Scan(error.into())))?;
+    Ok(Counted { scan, not_measured: 0 })
 }
 
 /// Draws the cells, as the paper does. Up is against the camera's y axis of the first frame.

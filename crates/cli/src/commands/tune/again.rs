@@ -2,7 +2,7 @@
 
 use terrace::tune::Settings;
 
-use crate::args::{Preset, Sensor, TuneArgs};
+use crate::args::{Preset, TuneArgs};
 
 /// The option that sets a parameter.
 pub fn option(parameter: &str) -> String {
@@ -38,8 +38,8 @@ pub fn command(args: &TuneArgs, best: &Settings) -> String {
     if let Some(sigma) = args.read.sigma {
         set("--sigma", sigma.to_string());
     }
-    if let Some(Sensor::Kinect) = args.read.sensor {
-        set("--sensor", "kinect".to_owned());
+    if let Some(noise) = args.read.sensor {
+        set("--sensor", noise.to_string());
     }
     if let Some(field) = &args.read.sigma_field {
         set("--sigma-field", field.clone());

@@ -9,10 +9,10 @@ use terrace::tune::{
     Objective, Quality, TrueLabel, TuneAxis, TuneError, TuneSearch, TuneSpace, Tuned, Tuner,
 };
 use terrace::{Params, ParamsError, Scan};
-use terrace_io::{ReadOptions, Source, find_sources, npy, read_scan};
+use terrace_io::{ReadOptions, Source, find_sources, npy, read_counted};
 
 use crate::args::{Preset, QualityMeasure, TuneArgs};
-use crate::commands::extract::read_options;
+use crate::commands::extract::{not_measured, read_options};
 use crate::error::CliError;
 use crate::picture::write_png;
 use crate::progress::Progress;
@@ -119,13 +119,16 @@ fn read_all(
     options: &ReadOptions,
     progress: &mut Progress,
 ) -> Result<(Vec<Scan>, Skipped), CliError> {
-    let (mut scans, mut skipped) = (Vec::new(), Vec::new());
+    let (mut scans, mut skipped, mut absent) = (Vec::new(), Vec::new(), 0);
     progress.begin("reading", sources.len());
     for batch in sources.chunks(rayon::current_num_threads()) {
-        let read: Vec<_> = batch.par_iter().map(|source| read_scan(source, options)).collect();
+        let read: Vec<_> = batch.par_iter().map(|source| read_counted(source, options)).collect();
         for (source, scan) in batch.iter().zip(read) {
             match scan {
-                Ok(scan) => scans.push(scan),
+                Ok(counted) => {
+                    absent += counted.not_measured;
+                    scans.push(counted.scan);
+                }
                 Err(error) => {
                     progress.warn(&format!("left out: {error}"));
                     skipped.push((source.clone(), error.to_string()));
@@ -133,6 +136,9 @@ fn read_all(
             }
             progress.advance(1);
         }
+    }
+    if let Some(warning) = not_measured(absent) {
+        progress.warn(&warning);
     }
     match skipped.last() {
         Some((_, last)) if scans.is_empty() => {

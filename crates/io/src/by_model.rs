@@ -1,0 +1,63 @@
+//! Errors of points by the noise model of their sensor.
+
+use terrace_noise::{ScanNoise, SensorNoise};
+use terrace_types::{Frame, Pose, Sigma};
+
+use crate::ReadErrorKind;
+
+/// The greatest variance in m² that is kept. Beyond it products of three overflow, and no covariance can be checked.
+const GREATEST_VARIANCE: f64 = 1e100;
+
+/// The errors of points in the frame of their scan by `noise`, with how many points became absent (NaN) because the
+/// model says that they cannot have been measured. `axis` is the optical axis of a camera in that frame.
+pub(crate) fn errors(
+    noise: SensorNoise,
+    points: &mut [[f64; 3]],
+    frame: Frame,
+    axis: Option<[f64; 3]>,
+) -> Result<(Sigma, usize), ReadErrorKind> {
+    let sensor = match frame {
+        // Before the pose is applied the sensor is the origin.
+        Frame::Sensor { .. } => Some([0.0; 3]),
+        Frame::World { sensor } => sensor,
+    };
+    match noise {
+        SensorNoise::Uniform(model) => Ok((Sigma::Uniform(model.sigma()), 0)),
+        SensorNoise::PerAxis(model) => Ok((along_world_axes(model.sigma(), points.len(), frame), 0)),
+        _ if sensor.is_none() && noise.needs_sensor() => Err(ReadErrorKind::NoSensorPosition { noise }),
+        _ => {
+            let scan = ScanNoise::new(noise, sensor)?;
+            let scan = axis.map_or(Ok(scan), |axis| scan.with_axis(axis))?;
+            Ok(covariances(&scan, points))
+        }
+    }
+}
+
+/// One σ for each axis of the world, in the frame of the points.
+fn along_world_axes(sigma: [f64; 3], count: usize, frame: Frame) -> Sigma {
+    match frame {
+        Frame::Sensor { pose } if pose.rotation() != Pose::IDENTITY.rotation() => {
+            let rotation = pose.rotation();
+            // Rᵀ Σ R, for the axes of the world are the columns of Rᵀ.
+            let entry = |i: usize, j: usize| {
+                (0..3).map(|k| rotation[k][i] * sigma[k] * sigma[k] * rotation[k][j]).sum::<f64>()
+            };
+            let entries = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| entry(i, j));
+            Sigma::Covariance(vec![entries; count])
+        }
+        _ => Sigma::PerAxis(vec![sigma; count]),
+    }
+}
+
+fn covariances(scan: &ScanNoise, points: &mut [[f64; 3]]) -> (Sigma, usize) {
+    let mut not_measured = 0;
+    let covariances = points.iter_mut().map(|point| {
+        let entries = scan.covariance(*point).map(|covariance| covariance.entries());
+        entries.filter(|e| e[0].max(e[3]).max(e[5]) <= GREATEST_VARIANCE).unwrap_or_else(|| {
+            not_measured += usize::from(point.iter().all(|x| x.is_finite()));
+            *point = [f64::NAN; 3];
+            [f64::NAN; 6]
+        })
+    });
+    (Sigma::Covariance(covariances.collect()), not_measured)
+}
