@@ -52,6 +52,8 @@ fn help_names_every_option() {
         "--min-cells",
         "--seed",
         "--poses",
+        "--pose-sigma",
+        "--pose-covariances",
         "--picture",
         "--up",
         "--no-points",

@@ -3,7 +3,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use terrace_io::{DepthImage, Intrinsics, LabelledPoint, PlyExtent, trajectory, write_labelled_ply};
+use terrace_io::{
+    DepthImage, ErrorSource, Intrinsics, LabelledPoint, PlyExtent, ReadOptions, Source, read_scan,
+    trajectory, write_labelled_ply,
+};
 use terrace_types::PlaneId;
 
 const WIDTH: u32 = 640;
@@ -46,6 +49,15 @@ fn benches(c: &mut Criterion) {
     group.throughput(Throughput::Elements(points.len() as u64));
     group.bench_function("depth PNG", |b| b.iter(|| DepthImage::read(black_box(&png)).unwrap()));
     group.bench_function("depth to points", |b| b.iter(|| image.points(black_box(&camera), 1000.0).unwrap()));
+    let source = Source::new(folder.path().join("image.png"));
+    std::fs::write(&source.path, &png).unwrap();
+    let plain = ReadOptions { intrinsics: Some(camera), ..ReadOptions::default() };
+    group.bench_function("depth image to scan", |b| b.iter(|| read_scan(&source, &plain).unwrap()));
+    for model in ["kinect", "stereo:fb=80,disparity=0.2,focal=700", "lidar:range=0.02,angle=1mrad"] {
+        let options = ReadOptions { errors: ErrorSource::Model(model.parse().unwrap()), ..plain.clone() };
+        let name = format!("depth image to scan, {model}");
+        group.bench_function(&name, |b| b.iter(|| read_scan(&source, &options).unwrap()));
+    }
     group.throughput(Throughput::Elements(10_000));
     group.bench_function("TUM poses", |b| b.iter(|| trajectory::read(black_box(tum.as_bytes())).unwrap()));
     group.throughput(Throughput::Elements(extent.points));
