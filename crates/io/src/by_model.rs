@@ -8,6 +8,9 @@ use crate::ReadErrorKind;
 /// The greatest variance in m² that is kept. Beyond it products of three overflow, and no covariance can be checked.
 const GREATEST_VARIANCE: f64 = 1e100;
 
+/// Points that are no farther from the sensor in metres are at it. Products of much smaller variances would underflow.
+const AT_SENSOR: f64 = 1e-9;
+
 /// The errors of points in the frame of their scan by `noise`, with how many points became absent (NaN) because the
 /// model says that they cannot have been measured. `axis` is the optical axis of a camera in that frame.
 pub(crate) fn errors(
@@ -21,14 +24,14 @@ pub(crate) fn errors(
         Frame::Sensor { .. } => Some([0.0; 3]),
         Frame::World { sensor } => sensor,
     };
-    match noise {
-        SensorNoise::Uniform(model) => Ok((Sigma::Uniform(model.sigma()), 0)),
-        SensorNoise::PerAxis(model) => Ok((along_world_axes(model.sigma(), points.len(), frame), 0)),
-        _ if sensor.is_none() && noise.needs_sensor() => Err(ReadErrorKind::NoSensorPosition { noise }),
-        _ => {
-            let scan = ScanNoise::new(noise, sensor)?;
+    match (noise, sensor) {
+        (SensorNoise::Uniform(model), _) => Ok((Sigma::Uniform(model.sigma()), 0)),
+        (SensorNoise::PerAxis(model), _) => Ok((along_world_axes(model.sigma(), points.len(), frame), 0)),
+        (_, None) => Err(ReadErrorKind::NoSensorPosition { noise }),
+        (_, Some(sensor)) => {
+            let scan = ScanNoise::new(noise, Some(sensor))?;
             let scan = axis.map_or(Ok(scan), |axis| scan.with_axis(axis))?;
-            Ok(covariances(&scan, points))
+            Ok(covariances(&scan, sensor, points))
         }
     }
 }
@@ -49,10 +52,12 @@ fn along_world_axes(sigma: [f64; 3], count: usize, frame: Frame) -> Sigma {
     }
 }
 
-fn covariances(scan: &ScanNoise, points: &mut [[f64; 3]]) -> (Sigma, usize) {
+fn covariances(scan: &ScanNoise, sensor: [f64; 3], points: &mut [[f64; 3]]) -> (Sigma, usize) {
     let mut not_measured = 0;
     let covariances = points.iter_mut().map(|point| {
-        let entries = scan.covariance(*point).map(|covariance| covariance.entries());
+        let away = (0..3).any(|i| (point[i] - sensor[i]).abs() > AT_SENSOR);
+        let covariance = if away { scan.covariance(*point) } else { None };
+        let entries = covariance.map(|covariance| covariance.entries());
         entries.filter(|e| e[0].max(e[3]).max(e[5]) <= GREATEST_VARIANCE).unwrap_or_else(|| {
             not_measured += usize::from(point.iter().all(|x| x.is_finite()));
             *point = [f64::NAN; 3];

@@ -32,8 +32,8 @@ pub enum ErrorSource {
     ///   [`ReadErrorKind::NoSensorPosition`]. Depth images are measured along +z of the camera's frame; of clouds the
     ///   optical axis is not known, and their depth is the straight distance from the sensor.
     ///
-    /// For these others a point at the place of the sensor itself is no measurement (many recorders write 0 0 0 for
-    /// none), nor is one so far away that its variance is above 10¹⁰⁰ m². Such points are made absent, as no error
+    /// For these others a point at the place of the sensor itself, to a nanometre, is no measurement (many recorders
+    /// write 0 0 0 for none), nor is one so far away that its variance is above 10¹⁰⁰ m². Such points are made absent, as no error
     /// could be given for them; [`read_counted`] tells how many. Points outside the
     /// [`valid_depths`](SensorNoise::valid_depths) of a model stay, with what its formula gives there.
     Model(SensorNoise),

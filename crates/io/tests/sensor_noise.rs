@@ -11,6 +11,7 @@
 mod common;
 
 use common::{depth_png, write};
+use proptest::prelude::*;
 use terrace_io::{
     Counted, ErrorSource, ReadError, ReadErrorKind, ReadOptions, Source, read_counted, read_scan,
 };
@@ -158,4 +159,42 @@ fn a_scan_alone_is_the_counted_one() {
     let options = ReadOptions { errors, ..ReadOptions::default() };
     let (scan, counted) = (read_scan(&source, &options).unwrap(), read_counted(&source, &options).unwrap());
     assert_eq!((scan.present(), counted.not_measured, counted.scan.present()), (1, 1, 1));
+}
+
+/// Numbers of any size that stands in files.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        (-1.0..1.0_f64, -60..40_i32).prop_map(|(x, power)| x * 10.0_f64.powi(power)),
+        -10.0..10.0_f64,
+        Just(0.0),
+        Just(f64::NAN),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn no_point_makes_a_scan_unreadable(
+        points in prop::collection::vec(prop::array::uniform3(coordinate()), 1..200),
+        model in prop::sample::select(&[
+            "kinect",
+            "stereo:fb=80,disparity=0.2,focal=700",
+            "stereo:fb=80,disparity=0.2,focal=700,pixel=0",
+            "stereo:fb=80,disparity=0,focal=700",
+            "lidar:range=0.02,angle=0.1deg,proportional=0.001",
+            "lidar:range=0,angle=1mrad",
+            "lidar:range=0.02,angle=0",
+            "lidar:range=0,angle=0",
+            "axes:0.01,0,3",
+        ][..]),
+    ) {
+        let text: String = points.iter().map(|p| format!("{:e} {:e} {:e}\n", p[0], p[1], p[2])).collect();
+        let finite = points.iter().filter(|p| p.iter().all(|x| x.is_finite())).count();
+        for pose in [turned(), Pose::from_quaternion([1.0, 2.0, 3.0], [0.1, -0.2, 0.3, 0.9]).unwrap()] {
+            let counted = read("a.xyz", text.replace("NaN", "nan"), Some(pose), model).unwrap();
+            prop_assert_eq!(counted.scan.len(), points.len());
+            prop_assert_eq!(counted.scan.present() + counted.not_measured, finite);
+        }
+    }
 }
