@@ -19,7 +19,7 @@
 //!
 //! With a folder of poses, one in each file, the last number in the names tells which belong together.
 //!
-//! **Noise of poses**, a file with a row for each pose ([`pose_noise`](crate::pose_noise)): as many rows as poses in the
+//! **Noise of poses**, a file with a row for each pose ([`pose_noise`]): as many rows as poses in the
 //! file of poses belong to these, row by row; otherwise there must be as many as scans, and they are in order.
 
 mod folder;
