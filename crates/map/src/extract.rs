@@ -133,7 +133,6 @@ pub(crate) fn fit_parts(
                 plane,
                 centroid: stats.mean()?,
                 normal_uncertainty: part.uncertainty,
-                min_max: None,
                 estimate: None,
                 points: stats.count(),
                 cells: part.nodes.len(),

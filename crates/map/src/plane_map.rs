@@ -18,9 +18,6 @@ pub struct ExtractedPlane {
     pub centroid: [f64; 3],
     /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
     pub normal_uncertainty: [f64; 3],
-    /// Largest change of each component of the normal of the plane of least squares, were the centres of its cells moved by
-    /// their standard errors in the worst way (the paper's min-max, Definition 3); `None` where `estimate` was not asked for.
-    pub min_max: Option<[f64; 3]>,
     /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also where too little is
     /// left of the cells once those that hold something else are left out, or all points lie exactly in a plane.
     pub estimate: Option<PlaneEstimate>,

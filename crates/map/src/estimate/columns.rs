@@ -6,7 +6,7 @@ use terrace_normals::{CovariantPlane, PlaneFit};
 use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
-use super::level::{NoiseLevel, Residuals};
+use super::level::{NoiseLevel, Residuals, scatter_along};
 use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
 use super::{ExtractedPlane, Owned};
@@ -21,6 +21,12 @@ const ROUGH: f64 = 2.0;
 const CORE: f64 = 2.0;
 /// Voxels above and below that are looked at, at most: errors larger than cells say little of a plane.
 const REACH: i32 = 4;
+/// Columns whose weights differ by less count alike.
+const ALIKE: f64 = 1e-3;
+/// The level of noise around a column is taken from so many columns at least.
+const FEWEST_AROUND: usize = 4;
+/// And is at most this, in units of the variance of the level of the map.
+const MOST_NOISE: f64 = 4.0;
 /// The median of χ² of one degree of freedom.
 const MEDIAN: f64 = 0.4549;
 
@@ -70,6 +76,10 @@ enum Of {
 pub(crate) struct Columns {
     axis: usize,
     pub(crate) columns: Vec<Column>,
+    /// For each column those after it along its two directions.
+    after: Vec<[Option<u32>; 2]>,
+    /// And those before it.
+    before: Vec<[Option<u32>; 2]>,
 }
 
 impl Owned<'_> {
@@ -108,7 +118,7 @@ impl Owned<'_> {
             .chunk_by(|a, b| place(a) == place(b))
             .filter_map(|keys| self.column(plane, place(keys.first()?), keys, level))
             .collect();
-        let mut columns = Columns { axis, columns };
+        let mut columns = Columns { axis, columns, after: Vec::new(), before: Vec::new() };
         let rim: Vec<Column> = keys
             .chunk_by(|a, b| place(a) == place(b))
             .flat_map(|keys| self.rim(plane, axis, keys, &columns))
@@ -116,6 +126,10 @@ impl Owned<'_> {
         columns.columns.extend(rim);
         columns.columns.sort_by_key(|column| column.place);
         columns.columns.dedup_by_key(|column| column.place);
+        columns.connect();
+        if level.is_some() {
+            columns.take_noise_from_around(near);
+        }
         columns
     }
 
@@ -185,7 +199,51 @@ impl Columns {
         self.columns.binary_search_by_key(&place, |column| column.place).ok()
     }
 
-    fn counted<'c>(&'c self, counts: &'c [bool]) -> impl Iterator<Item = &'c Column> + Clone {
+    /// Takes the level of noise from the columns around each, in their median, where the level of the whole map was taken: it
+    /// knows how far a surface is, but not how it reflects or at what angle it was seen. What scatters far more than the level is no
+    /// noise.
+    fn take_noise_from_around(&mut self, near: &Near) {
+        let shown: Vec<Option<f64>> = self
+            .columns
+            .iter()
+            .map(|column| {
+                let level = variance_along(&column.sum, near.normal);
+                let shown =
+                    scatter_along(&column.sum, near.normal.to_array()).filter(|_| column.of == Of::Plane)?;
+                Some(shown.min(MOST_NOISE * level))
+            })
+            .collect();
+        for at in 0..self.columns.len() {
+            let around = around(self.columns[at].place).filter_map(|place| self.find(place));
+            let mut near: Vec<f64> = around.filter_map(|at| shown.get(at).copied().flatten()).collect();
+            near.sort_by(f64::total_cmp);
+            if near.len() >= FEWEST_AROUND
+                && let Some(variance) = near.get(near.len() / 2).filter(|variance| **variance > 0.0)
+            {
+                let column = &mut self.columns[at];
+                let noise = SymmetricMatrix3::diagonal([variance * column.sum.count() as f64; 3]);
+                column.sum = column.sum.with_noise(noise);
+            }
+        }
+    }
+
+    /// Finds the neighbours of each column.
+    fn connect(&mut self) {
+        self.after = vec![[None; 2]; self.columns.len()];
+        self.before = self.after.clone();
+        for at in 0..self.columns.len() {
+            let [a, b] = self.columns[at].place;
+            for (side, place) in [[a.saturating_add(1), b], [a, b.saturating_add(1)]].into_iter().enumerate()
+            {
+                let Some(found) = self.find(place).filter(|found| *found != at) else { continue };
+                // Columns are as many as cells at most, which are numbered with 32 bits.
+                self.after[at][side] = u32::try_from(found).ok();
+                self.before[found][side] = u32::try_from(at).ok();
+            }
+        }
+    }
+
+    pub(crate) fn counted<'c>(&'c self, counts: &'c [bool]) -> impl Iterator<Item = &'c Column> + Clone {
         self.columns.iter().zip(counts).filter(|(_, counts)| **counts).map(|(column, _)| column)
     }
 
@@ -263,18 +321,31 @@ impl Columns {
         [key[(self.axis + 1) % 3], key[(self.axis + 2) % 3]]
     }
 
+    /// The variance of the means of columns along an axis, each counting by its points.
+    pub(crate) fn spread_along(&self, counts: &[bool], axis: [f64; 3]) -> f64 {
+        let axis = DVec3::from(axis);
+        let places = || {
+            self.counted(counts)
+                .filter_map(|c| Some((c.sum.count() as f64, axis.dot(DVec3::from(c.sum.mean()?)))))
+        };
+        let points: f64 = places().map(|(points, _)| points).sum();
+        let mean = places().map(|(points, at)| points * at).sum::<f64>() / points;
+        places().map(|(points, at)| points * (at - mean).powi(2)).sum::<f64>() / points
+    }
+
     /// Mean squared residuals in units of their variance, with their degrees of freedom: of points from the plane, and
     /// of the means of columns, which also tell of errors that neighbouring points share.
     pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
         let near = Near::of(plane);
         let (mut of_points, mut of_means) = ((0.0, -3.0), (0.0, -3.0));
-        for column in self.counted(counts) {
+        for (at, column) in self.columns.iter().enumerate().filter(|(at, _)| counts[*at]) {
             let Some(deviation) = column.deviation(&near, floor) else { continue };
             let count = column.sum.count() as f64;
             of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
             // Errors carry points from column to column and with them the mean, which is made up for by the columns on the
             // other side; not so at a border.
-            let within = beside(column.place).all(|place| self.find(place).is_some_and(|at| counts[at]));
+            let sides = self.after[at].into_iter().chain(self.before[at]);
+            let within = sides.into_iter().all(|side| side.is_some_and(|side| counts[side as usize]));
             if within {
                 of_means = (of_means.0 + deviation.mean, of_means.1 + 1.0);
             }
@@ -285,37 +356,48 @@ impl Columns {
         })
     }
 
-    /// Moves the plane back by what the errors carry over the borders at which the support ends and the plane does not.
+    /// Moves the plane back by what the errors carry over the faces between columns: those with an error to one side in,
+    /// those to the other out. Where both columns count alike, one gains what the other loses.
     pub(crate) fn take_back_cuts(&self, counts: &[bool], plane: &mut CovariantPlane, size: f64) {
         let PlaneFit { centroid, normal, axes, .. } = plane.fit;
         let (centroid, normal, [e1, e2]) =
             (DVec3::from(centroid), DVec3::from(normal), axes.map(DVec3::from));
+        let weights: Vec<f64> = self
+            .columns
+            .iter()
+            .zip(counts)
+            .map(|(column, counts)| if *counts { plane.weight(&column.sum) } else { 0.0 })
+            .collect();
         let mut pull = DVec3::ZERO;
-        for (beyond, _) in self.columns.iter().zip(counts).filter(|(_, counts)| !**counts) {
-            for (side, of_side) in [1, 2].into_iter().zip([[1, 0], [0, 1]]) {
-                for sign in [-1, 1] {
-                    // From the column that counts to the one beyond is the direction `sign`.
-                    let last = [0, 1].map(|i| beyond.place[i].saturating_sub(sign * of_side[i]));
-                    let Some(column) = self.find(last).filter(|at| counts[*at]).map(|at| &self.columns[at])
-                    else {
-                        continue;
-                    };
-                    let Some(mean) = column.sum.mean().map(DVec3::from) else { continue };
-                    let count = column.sum.count() as f64;
-                    let noise = column.sum.moments().noise() + column.shared.of_points * count;
-                    let e = (self.axis + side) % 3;
-                    let with_normal = DVec3::from(noise.rows()[e]).dot(normal);
-                    // Where it goes on with fewer points, its points thin out towards the border.
-                    let thinner = beyond.sum.count() as f64 / count;
-                    let density = if beyond.of == Of::Rim { 0.5 + 0.5 * thinner.min(1.0) } else { 1.0 };
-                    let sum = -f64::from(sign) * density / size * with_normal * plane.weight(&column.sum);
-                    let mut at = mean - centroid;
-                    // To the middle of the face, on the plane.
-                    let half = 0.5 * f64::from(sign) * size;
-                    at[e] += half;
-                    at[self.axis] -= half * normal[e] / normal[self.axis];
-                    pull += sum * DVec3::new(at.dot(e1), at.dot(e2), -1.0);
+        for (at, (column, weight)) in self.columns.iter().zip(&weights).enumerate() {
+            for (side, beside) in [1, 2].into_iter().zip(self.after[at]) {
+                let Some(beside) = beside.map(|place| place as usize) else { continue };
+                let step = weight - weights[beside];
+                if step.abs() <= ALIKE * weight {
+                    continue;
                 }
+                let other = &self.columns[beside];
+                // The one that counts, and the direction from it to the other.
+                let (inner, outer, sign) =
+                    if counts[at] { (column, other, 1.0) } else { (other, column, -1.0) };
+                let Some(mean) = inner.sum.mean().map(DVec3::from) else { continue };
+                let e = (self.axis + side) % 3;
+                let noise = inner.noise_of_points() * inner.sum.count() as f64;
+                let carried = if counts[at] && counts[beside] {
+                    (noise + outer.noise_of_points() * outer.sum.count() as f64) * 0.5
+                } else if outer.of == Of::Rim {
+                    // Where it goes on with fewer points, they thin out towards the border.
+                    noise * (0.5 + 0.5 * (outer.sum.count() as f64 / inner.sum.count() as f64).min(1.0))
+                } else {
+                    noise
+                };
+                let sum = -step / size * DVec3::from(carried.rows()[e]).dot(normal);
+                let mut face = mean - centroid;
+                // To the middle of the face, on the plane.
+                let half = 0.5 * sign * size;
+                face[e] += half;
+                face[self.axis] -= half * normal[e] / normal[self.axis];
+                pull += sum * DVec3::new(face.dot(e1), face.dot(e2), -1.0);
             }
         }
         let [tilt1, tilt2, offset] = (pull * DVec3::from(plane.gain)).to_array();
@@ -362,6 +444,11 @@ impl Usual {
 }
 
 impl Column {
+    /// The mean covariance of the error of a point.
+    fn noise_of_points(&self) -> SymmetricMatrix3 {
+        self.sum.moments().noise() * (1.0 / self.sum.count().max(1) as f64) + self.shared.of_points
+    }
+
     fn deviation(&self, near: &Near, floor: f64) -> Option<Deviation> {
         let normal = near.normal.to_array();
         let off = near.normal.dot(DVec3::from(self.sum.mean()?) - near.centroid).powi(2);
@@ -381,13 +468,6 @@ impl Column {
 /// A place and the eight beside it.
 fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
     (-1..=1).flat_map(move |x: i32| (-1..=1).map(move |y: i32| [a.saturating_add(x), b.saturating_add(y)]))
-}
-
-/// The four places at the sides.
-fn beside([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
-    [[-1, 0], [1, 0], [0, -1], [0, 1]]
-        .into_iter()
-        .map(move |[x, y]| [a.saturating_add(x), b.saturating_add(y)])
 }
 
 /// The axis that the normal is nearest to.

@@ -36,18 +36,17 @@ pub(crate) struct Residuals {
 impl Residuals {
     /// The scatter of the points of a place along a normal.
     pub(crate) fn push(&mut self, range: Option<f64>, place: &Stats, normal: [f64; 3]) {
-        if place.count() < FEWEST {
-            return;
-        }
-        let Some(scatter) = place.covariance().map(|c| c.quadratic_form(normal).max(0.0)) else { return };
-        let freedom = place.count() as f64 - 1.0;
-        // The median of χ² over its degrees of freedom (Wilson and Hilferty 1931).
-        let median = (1.0 - 2.0 / (9.0 * freedom)).powi(3);
-        let variance = scatter * place.count() as f64 / freedom / median;
-        if variance.is_finite() {
-            self.of.push((range, variance));
-        }
+        self.of.extend(scatter_along(place, normal).map(|variance| (range, variance)));
     }
+}
+
+/// An estimate of the variance of the points along a normal whose median is right; `None` for few points.
+pub(crate) fn scatter_along(place: &Stats, normal: [f64; 3]) -> Option<f64> {
+    let scatter = place.covariance().filter(|_| place.count() >= FEWEST)?.quadratic_form(normal).max(0.0);
+    let freedom = place.count() as f64 - 1.0;
+    // The median of χ² over its degrees of freedom (Wilson and Hilferty 1931).
+    let median = (1.0 - 2.0 / (9.0 * freedom)).powi(3);
+    Some(scatter * place.count() as f64 / freedom / median).filter(|variance| variance.is_finite())
 }
 
 impl NoiseLevel {

@@ -25,6 +25,10 @@ use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
 const CORE_ROUNDS: usize = 10;
+/// What scatters by more than this, in units of the variance usual in the map, is no plane: a strip along an edge, say.
+const ROUGHEST: f64 = 3.0;
+/// The share of the points' variance across a plane that lies between columns, at least, for their min-max to be told.
+const CENTRES: f64 = 0.6;
 /// Residuals are larger than the errors say from so many of their own standard errors on.
 const SIGNIFICANT: f64 = 3.0;
 
@@ -59,6 +63,11 @@ pub struct PlaneEstimate {
     /// say: the reduced χ² of the points or that of the means of cells, whichever is larger. 1 where neither is
     /// significantly above 1.
     pub growth: f64,
+    /// Largest change of each component of the normal, were the centre of each column of cells off by its standard error in the
+    /// worst way: the paper's min-max (Definition 3) for the plane. `None` when the centres lie nearly on a line.
+    pub min_max: Option<[f64; 3]>,
+    /// Number of columns of cells that it rests on.
+    pub columns: usize,
 }
 
 impl PlaneEstimate {
@@ -75,6 +84,8 @@ impl PlaneEstimate {
             coefficients: found.plane.covariance_of_coefficients(),
             reduced_chi_squared: found.reduced_chi_squared,
             growth: found.growth,
+            min_max: found.min_max,
+            columns: found.columns,
         })
     }
 }
@@ -84,6 +95,8 @@ pub(crate) struct Found {
     plane: CovariantPlane,
     reduced_chi_squared: f64,
     growth: f64,
+    min_max: Option<[f64; 3]>,
+    columns: usize,
 }
 
 /// What is known of the errors.
@@ -136,13 +149,29 @@ pub(crate) fn estimate_planes(
     planes.par_iter_mut().zip(nodes_of).for_each(|(plane, of)| {
         let found = cells.estimate(plane.id, &of, &Near::to(plane));
         plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
+    });
+    let limit = ROUGHEST * usual_chi_squared(planes);
+    for plane in planes {
+        plane.estimate = plane.estimate.filter(|estimate| estimate.reduced_chi_squared <= limit);
         if let Some(estimate) = plane.estimate {
             plane.plane = estimate.plane;
         }
-        let of = of.iter().filter_map(|node| nodes.stats.get(*node as usize));
-        plane.min_max = min_max(of, FitTo::Points).ok().map(|found| found.uncertainty);
-    });
+    }
     cells.errors.level
+}
+
+/// That of the plane which has half of the points on smoother ones, and at least 1.
+fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
+    let mut seen: Vec<(f64, u64)> =
+        planes.iter().filter_map(|plane| Some((plane.estimate?.reduced_chi_squared, plane.points))).collect();
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = seen.iter().map(|(_, points)| points).sum::<u64>() / 2;
+    let mut sum = 0;
+    let middle = seen.iter().find(|(_, points)| {
+        sum += points;
+        sum > half
+    });
+    middle.map_or(1.0, |(value, _)| value.max(1.0))
 }
 
 impl<'m> Errors<'m> {
@@ -239,6 +268,17 @@ impl Owned<'_> {
         let [_, across, along] = plane.fit.variances;
         plane.tilt_offset += SymmetricMatrix3::diagonal([floor / along, floor / across, floor]);
         let [(reduced_chi_squared, _), _] = residuals;
-        Found { plane, reduced_chi_squared, growth }
+        let supporting = columns.counted(counts);
+        // Only centres are moved: across a strip of one row of columns, they say nothing of what moves the plane.
+        let min_max = min_max(supporting.clone().map(|column| &column.sum), FitTo::Points)
+            .ok()
+            .filter(|_| columns.spread_along(counts, plane.fit.axes[1]) >= CENTRES * plane.fit.variances[1]);
+        Found {
+            plane,
+            reduced_chi_squared,
+            growth,
+            min_max: min_max.map(|found| found.uncertainty),
+            columns: supporting.count(),
+        }
     }
 }
