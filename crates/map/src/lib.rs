@@ -65,7 +65,7 @@ pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError};
 
-pub use estimate::{CellPlane, NoiseLevel, PlaneEstimate};
+pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;

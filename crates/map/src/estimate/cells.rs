@@ -72,7 +72,7 @@ impl Owned<'_> {
             self.nodes.stats.iter().zip(&self.nodes.normals).zip(self.nodes.dense.cells())
         {
             if let Ok(normal) = normal {
-                residuals.push(self.errors.range(stats, cell.index()), stats, normal.fit.normal);
+                residuals.push(&self.errors, self.errors.seen(cell.index()), stats, normal.fit.normal);
             }
         }
         NoiseLevel::of(&residuals)

@@ -9,7 +9,7 @@ use terrace_types::PlaneId;
 use super::level::{NoiseLevel, Residuals, scatter_along};
 use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
-use super::{ExtractedPlane, Owned};
+use super::{Errors, ExtractedPlane, Owned};
 
 /// Cells further off than this many standard errors of their points are not of the plane.
 const FAR: f64 = 4.0;
@@ -58,7 +58,6 @@ pub(crate) struct Column {
     of: Of,
     /// From where it was seen; empty where that does not matter.
     pub(crate) seen: Vec<Sighting>,
-    range: Option<f64>,
     shared: SharedErrors,
 }
 
@@ -75,7 +74,7 @@ enum Of {
 /// In rising order of their places.
 pub(crate) struct Columns {
     axis: usize,
-    pub(crate) columns: Vec<Column>,
+    pub(crate) all: Vec<Column>,
     /// For each column those after it along its two directions.
     after: Vec<[Option<u32>; 2]>,
     /// And those before it.
@@ -100,10 +99,11 @@ impl Owned<'_> {
                 continue;
             };
             let stats = cell.stats();
-            let variance = match level {
-                Some(level) => level.sigma(self.errors.range(&stats, cell.id().index())).powi(2),
-                None => variance_along(&stats, near.normal),
+            let noise = match level {
+                Some(level) => level.covariance(&self.errors, &stats, self.errors.seen(cell.id().index())),
+                None => mean_noise(&stats),
             };
+            let variance = noise.quadratic_form(near.normal.to_array());
             let reach = reach(variance, size);
             for step in -reach..=reach {
                 let mut key = cell.key();
@@ -118,14 +118,14 @@ impl Owned<'_> {
             .chunk_by(|a, b| place(a) == place(b))
             .filter_map(|keys| self.column(plane, place(keys.first()?), keys, level))
             .collect();
-        let mut columns = Columns { axis, columns, after: Vec::new(), before: Vec::new() };
+        let mut columns = Columns { axis, all: columns, after: Vec::new(), before: Vec::new() };
         let rim: Vec<Column> = keys
             .chunk_by(|a, b| place(a) == place(b))
             .flat_map(|keys| self.rim(plane, axis, keys, &columns))
             .collect();
-        columns.columns.extend(rim);
-        columns.columns.sort_by_key(|column| column.place);
-        columns.columns.dedup_by_key(|column| column.place);
+        columns.all.extend(rim);
+        columns.all.sort_by_key(|column| column.place);
+        columns.all.dedup_by_key(|column| column.place);
         columns.connect();
         if level.is_some() {
             columns.take_noise_from_around(near);
@@ -174,21 +174,15 @@ impl Owned<'_> {
                 of = Of::Others;
             }
             sum.get_or_insert(Stats::new(cell.centre())).merge(&cell.stats());
-            if let Some(sightings) = &self.errors.sightings {
-                seen.extend(sightings.of_cell(index));
-            }
+            seen.extend(self.errors.seen(index));
         }
         let sum = sum?;
         let seen = merged(seen);
-        let range = self.errors.range_of(&sum, &seen);
         let sum = match level {
-            Some(level) => {
-                let variance = level.sigma(range).powi(2) * sum.count() as f64;
-                sum.with_noise(SymmetricMatrix3::diagonal([variance; 3]))
-            }
+            Some(level) => sum.with_noise(level.covariance(&self.errors, &sum, &seen) * sum.count() as f64),
             None => sum,
         };
-        let mut column = Column { place, sum, of, seen, range, shared: SharedErrors::NONE };
+        let mut column = Column { place, sum, of, seen, shared: SharedErrors::NONE };
         column.shared = SharedErrors::of(&column, self.errors.views);
         Some(column)
     }
@@ -196,7 +190,7 @@ impl Owned<'_> {
 
 impl Columns {
     fn find(&self, place: [i32; 2]) -> Option<usize> {
-        self.columns.binary_search_by_key(&place, |column| column.place).ok()
+        self.all.binary_search_by_key(&place, |column| column.place).ok()
     }
 
     /// Takes the level of noise from the columns around each, in their median, where the level of the whole map was taken: it
@@ -204,7 +198,7 @@ impl Columns {
     /// noise.
     fn take_noise_from_around(&mut self, near: &Near) {
         let shown: Vec<Option<f64>> = self
-            .columns
+            .all
             .iter()
             .map(|column| {
                 let level = variance_along(&column.sum, near.normal);
@@ -213,26 +207,27 @@ impl Columns {
                 Some(shown.min(MOST_NOISE * level))
             })
             .collect();
-        for at in 0..self.columns.len() {
-            let around = around(self.columns[at].place).filter_map(|place| self.find(place));
+        let near_normal = near.normal;
+        for at in 0..self.all.len() {
+            let around = around(self.all[at].place).filter_map(|place| self.find(place));
             let mut near: Vec<f64> = around.filter_map(|at| shown.get(at).copied().flatten()).collect();
             near.sort_by(f64::total_cmp);
             if near.len() >= FEWEST_AROUND
                 && let Some(variance) = near.get(near.len() / 2).filter(|variance| **variance > 0.0)
             {
-                let column = &mut self.columns[at];
-                let noise = SymmetricMatrix3::diagonal([variance * column.sum.count() as f64; 3]);
-                column.sum = column.sum.with_noise(noise);
+                let column = &mut self.all[at];
+                let level = variance_along(&column.sum, near_normal);
+                column.sum = column.sum.with_noise(column.sum.moments().noise() * (variance / level));
             }
         }
     }
 
     /// Finds the neighbours of each column.
     fn connect(&mut self) {
-        self.after = vec![[None; 2]; self.columns.len()];
+        self.after = vec![[None; 2]; self.all.len()];
         self.before = self.after.clone();
-        for at in 0..self.columns.len() {
-            let [a, b] = self.columns[at].place;
+        for at in 0..self.all.len() {
+            let [a, b] = self.all[at].place;
             for (side, place) in [[a.saturating_add(1), b], [a, b.saturating_add(1)]].into_iter().enumerate()
             {
                 let Some(found) = self.find(place).filter(|found| *found != at) else { continue };
@@ -244,7 +239,7 @@ impl Columns {
     }
 
     pub(crate) fn counted<'c>(&'c self, counts: &'c [bool]) -> impl Iterator<Item = &'c Column> + Clone {
-        self.columns.iter().zip(counts).filter(|(_, counts)| **counts).map(|(column, _)| column)
+        self.all.iter().zip(counts).filter(|(_, counts)| **counts).map(|(column, _)| column)
     }
 
     /// The plane of least variance through the columns that count.
@@ -253,10 +248,10 @@ impl Columns {
     }
 
     /// What flat columns off the borders of the plane tell of the noise.
-    pub(crate) fn residuals(&self, near: &Near, floor: f64, residuals: &mut Residuals) {
-        let counts = self.near(near, floor);
+    pub(crate) fn residuals(&self, near: &Near, errors: &Errors, residuals: &mut Residuals) {
+        let counts = self.near(near, errors.floor);
         for column in self.counted(&counts) {
-            residuals.push(column.range, &column.sum, near.normal.into());
+            residuals.push(errors, &column.seen, &column.sum, near.normal.into());
         }
     }
 
@@ -271,7 +266,7 @@ impl Columns {
     pub(crate) fn support(&self, near: &Near, floor: f64) -> Vec<bool> {
         let deviations = self.deviations(near, floor);
         let usual = Usual::of(&deviations);
-        self.apart(self.columns.iter().zip(&deviations).map(|(column, deviation)| {
+        self.apart(self.all.iter().zip(&deviations).map(|(column, deviation)| {
             deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), DEVIATIONS))
         }))
     }
@@ -285,20 +280,20 @@ impl Columns {
             let core = |(column, deviation): (&Column, &Option<Deviation>)| {
                 deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), CORE))
             };
-            self.columns.iter().zip(&deviations).map(core).collect()
+            self.all.iter().zip(&deviations).map(core).collect()
         })
     }
 
     /// `None` for columns that are not of the plane alone.
     fn deviations(&self, near: &Near, floor: f64) -> Vec<Option<Deviation>> {
-        self.columns.iter().map(|c| c.deviation(near, floor).filter(|_| c.of == Of::Plane)).collect()
+        self.all.iter().map(|c| c.deviation(near, floor).filter(|_| c.of == Of::Plane)).collect()
     }
 
     /// Those for which it holds, and for all beside them.
     fn apart(&self, holds: impl Iterator<Item = bool>) -> Vec<bool> {
-        let mut counts = vec![true; self.columns.len()];
+        let mut counts = vec![true; self.all.len()];
         // From the few for which it does not: the others need no look around.
-        for ((at, column), _) in self.columns.iter().enumerate().zip(holds).filter(|(_, holds)| !holds) {
+        for ((at, column), _) in self.all.iter().enumerate().zip(holds).filter(|(_, holds)| !holds) {
             counts[at] = false;
             if column.of == Of::Rim {
                 continue;
@@ -313,7 +308,7 @@ impl Columns {
     /// Those in a block about a place.
     pub(crate) fn block(&self, place: [i32; 2], reach: u32) -> Vec<bool> {
         let within = |column: &Column| (0..2).all(|i| column.place[i].abs_diff(place[i]) <= reach);
-        self.columns.iter().map(|column| column.of == Of::Plane && within(column)).collect()
+        self.all.iter().map(|column| column.of == Of::Plane && within(column)).collect()
     }
 
     /// The place of a voxel.
@@ -338,7 +333,7 @@ impl Columns {
     pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
         let near = Near::of(plane);
         let (mut of_points, mut of_means) = ((0.0, -3.0), (0.0, -3.0));
-        for (at, column) in self.columns.iter().enumerate().filter(|(at, _)| counts[*at]) {
+        for (at, column) in self.all.iter().enumerate().filter(|(at, _)| counts[*at]) {
             let Some(deviation) = column.deviation(&near, floor) else { continue };
             let count = column.sum.count() as f64;
             of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
@@ -363,20 +358,20 @@ impl Columns {
         let (centroid, normal, [e1, e2]) =
             (DVec3::from(centroid), DVec3::from(normal), axes.map(DVec3::from));
         let weights: Vec<f64> = self
-            .columns
+            .all
             .iter()
             .zip(counts)
             .map(|(column, counts)| if *counts { plane.weight(&column.sum) } else { 0.0 })
             .collect();
         let mut pull = DVec3::ZERO;
-        for (at, (column, weight)) in self.columns.iter().zip(&weights).enumerate() {
+        for (at, (column, weight)) in self.all.iter().zip(&weights).enumerate() {
             for (side, beside) in [1, 2].into_iter().zip(self.after[at]) {
                 let Some(beside) = beside.map(|place| place as usize) else { continue };
                 let step = weight - weights[beside];
                 if step.abs() <= ALIKE * weight {
                     continue;
                 }
-                let other = &self.columns[beside];
+                let other = &self.all[beside];
                 // The one that counts, and the direction from it to the other.
                 let (inner, outer, sign) =
                     if counts[at] { (column, other, 1.0) } else { (other, column, -1.0) };
@@ -446,13 +441,13 @@ impl Usual {
 impl Column {
     /// The mean covariance of the error of a point.
     fn noise_of_points(&self) -> SymmetricMatrix3 {
-        self.sum.moments().noise() * (1.0 / self.sum.count().max(1) as f64) + self.shared.of_points
+        mean_noise(&self.sum) + self.shared.of_points
     }
 
     fn deviation(&self, near: &Near, floor: f64) -> Option<Deviation> {
         let normal = near.normal.to_array();
         let off = near.normal.dot(DVec3::from(self.sum.mean()?) - near.centroid).powi(2);
-        let scatter = self.sum.covariance()?.quadratic_form(normal);
+        let scatter = self.sum.covariance()?.quadratic_form(normal).max(0.0);
         let own = variance_along(&self.sum, near.normal);
         let floor = floor * floor;
         let of_point = own + self.shared.of_points.quadratic_form(normal) + floor;
@@ -475,8 +470,12 @@ fn main_axis(normal: DVec3) -> usize {
     normal.abs().max_position()
 }
 
+fn mean_noise(cell: &Stats) -> SymmetricMatrix3 {
+    cell.moments().noise() * (1.0 / cell.count().max(1) as f64)
+}
+
 fn variance_along(cell: &Stats, direction: DVec3) -> f64 {
-    cell.moments().noise().quadratic_form(direction.to_array()) / cell.count().max(1) as f64
+    mean_noise(cell).quadratic_form(direction.to_array())
 }
 
 /// Voxels that errors may carry a point of this variance to.

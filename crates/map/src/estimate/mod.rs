@@ -19,8 +19,8 @@ use crate::{ExtractedPlane, Mapper, Params, Weighting};
 
 pub use cells::CellPlane;
 use columns::{Columns, Near};
-pub use level::NoiseLevel;
 use level::Residuals;
+pub use level::{NoiseKnot, NoiseLevel};
 use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
@@ -196,8 +196,7 @@ impl Owned<'_> {
                 else {
                     continue;
                 };
-                let range = self.errors.range(stats, cell.index());
-                residuals.push(range, stats, plane.plane.normal());
+                residuals.push(&self.errors, self.errors.seen(cell.index()), stats, plane.plane.normal());
             }
         }
         let first = NoiseLevel::of(&residuals)?;
@@ -211,7 +210,7 @@ impl Owned<'_> {
             .collect();
         let mut residuals = Residuals::default();
         for (columns, near) in &columns {
-            columns.residuals(near, self.errors.floor, &mut residuals);
+            columns.residuals(near, &self.errors, &mut residuals);
         }
         NoiseLevel::of(&residuals).or(Some(first))
     }

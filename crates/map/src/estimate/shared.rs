@@ -55,7 +55,7 @@ impl Columns {
             return SymmetricMatrix3::ZERO;
         }
         let mut pulls = vec![[[0.0; 6]; 3]; views.len()];
-        for (column, _) in self.columns.iter().zip(counts).filter(|(_, counts)| **counts) {
+        for (column, _) in self.all.iter().zip(counts).filter(|(_, counts)| **counts) {
             let weight = plane.weight(&column.sum);
             for sighting in &column.seen {
                 let place = sighting.view as usize;
