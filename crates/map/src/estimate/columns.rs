@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use terrace_grid::VoxelKey;
-use terrace_normals::{CovariantPlane, PlaneFit};
+use terrace_normals::CovariantPlane;
 use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -11,24 +11,14 @@ use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
 use super::{Errors, ExtractedPlane, Owned};
 
-/// Cells further off than this many standard errors of their points are not of the plane.
+/// Errors of this many standard errors are still looked for beyond the cells of a plane.
 const FAR: f64 = 4.0;
-/// Columns whose mean or scatter is off by more of its standard errors hold something else.
-const DEVIATIONS: f64 = 4.0;
-/// Where columns usually deviate by more than this, in units of their variance, a plane is looked for that fits most.
-const ROUGH: f64 = 2.0;
-/// Columns that deviate by no more of their usual deviation are most likely of it.
-const CORE: f64 = 2.0;
 /// Voxels above and below that are looked at, at most: errors larger than cells say little of a plane.
 const REACH: i32 = 4;
-/// Columns whose weights differ by less count alike.
-const ALIKE: f64 = 1e-3;
 /// The level of noise around a column is taken from so many columns at least.
 const FEWEST_AROUND: usize = 4;
 /// And is at most this, in units of the variance of the level of the map.
 const MOST_NOISE: f64 = 4.0;
-/// The median of χ² of one degree of freedom.
-const MEDIAN: f64 = 0.4549;
 
 /// A plane that another one is near to.
 #[derive(Debug, Clone, Copy)]
@@ -51,18 +41,18 @@ impl Near {
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
     /// Its other two indices.
-    place: [i32; 2],
+    pub(crate) place: [i32; 2],
     /// Of its cells near the plane, with the errors that are known or were found out.
     pub(crate) sum: Stats,
     /// What its cells are of.
-    of: Of,
+    pub(crate) of: Of,
     /// From where it was seen; empty where that does not matter.
     pub(crate) seen: Vec<Sighting>,
-    shared: SharedErrors,
+    pub(crate) shared: SharedErrors,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Of {
+pub(crate) enum Of {
     /// The plane, and of no other.
     Plane,
     /// Another plane as well.
@@ -73,12 +63,12 @@ enum Of {
 
 /// In rising order of their places.
 pub(crate) struct Columns {
-    axis: usize,
+    pub(crate) axis: usize,
     pub(crate) all: Vec<Column>,
     /// For each column those after it along its two directions.
-    after: Vec<[Option<u32>; 2]>,
+    pub(crate) after: Vec<[Option<u32>; 2]>,
     /// And those before it.
-    before: Vec<[Option<u32>; 2]>,
+    pub(crate) before: Vec<[Option<u32>; 2]>,
 }
 
 impl Owned<'_> {
@@ -189,7 +179,7 @@ impl Owned<'_> {
 }
 
 impl Columns {
-    fn find(&self, place: [i32; 2]) -> Option<usize> {
+    pub(crate) fn find(&self, place: [i32; 2]) -> Option<usize> {
         self.all.binary_search_by_key(&place, |column| column.place).ok()
     }
 
@@ -255,56 +245,6 @@ impl Columns {
         }
     }
 
-    /// Which columns lie on the plane as far as their points can tell one by one, and have none beside them that does not.
-    pub(crate) fn near(&self, near: &Near, floor: f64) -> Vec<bool> {
-        let lies_on = |deviation: &Deviation| deviation.off <= FAR * FAR && deviation.scatter <= FAR * FAR;
-        self.apart(self.deviations(near, floor).iter().map(|d| d.as_ref().is_some_and(lies_on)))
-    }
-
-    /// Which columns lie on the plane and have none beside them that does not: the mean by its own error, the scatter by that
-    /// of a scatter.
-    pub(crate) fn support(&self, near: &Near, floor: f64) -> Vec<bool> {
-        let deviations = self.deviations(near, floor);
-        let usual = Usual::of(&deviations);
-        self.apart(self.all.iter().zip(&deviations).map(|(column, deviation)| {
-            deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), DEVIATIONS))
-        }))
-    }
-
-    /// Which columns lie on the plane better than most do, where most do not lie as well as errors say: the plane may be off,
-    /// because a part of its cells are those of something else. `None` where they do.
-    pub(crate) fn core(&self, near: &Near, floor: f64) -> Option<Vec<bool>> {
-        let deviations = self.deviations(near, floor);
-        let usual = Usual::of(&deviations);
-        (usual.mean > ROUGH).then(|| {
-            let core = |(column, deviation): (&Column, &Option<Deviation>)| {
-                deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), CORE))
-            };
-            self.all.iter().zip(&deviations).map(core).collect()
-        })
-    }
-
-    /// `None` for columns that are not of the plane alone.
-    fn deviations(&self, near: &Near, floor: f64) -> Vec<Option<Deviation>> {
-        self.all.iter().map(|c| c.deviation(near, floor).filter(|_| c.of == Of::Plane)).collect()
-    }
-
-    /// Those for which it holds, and for all beside them.
-    fn apart(&self, holds: impl Iterator<Item = bool>) -> Vec<bool> {
-        let mut counts = vec![true; self.all.len()];
-        // From the few for which it does not: the others need no look around.
-        for ((at, column), _) in self.all.iter().enumerate().zip(holds).filter(|(_, holds)| !holds) {
-            counts[at] = false;
-            if column.of == Of::Rim {
-                continue;
-            }
-            for near in around(column.place).filter_map(|place| self.find(place)) {
-                counts[near] = false;
-            }
-        }
-        counts
-    }
-
     /// Those in a block about a place.
     pub(crate) fn block(&self, place: [i32; 2], reach: u32) -> Vec<bool> {
         let within = |column: &Column| (0..2).all(|i| column.place[i].abs_diff(place[i]) <= reach);
@@ -327,141 +267,17 @@ impl Columns {
         let mean = places().map(|(points, at)| points * at).sum::<f64>() / points;
         places().map(|(points, at)| points * (at - mean).powi(2)).sum::<f64>() / points
     }
-
-    /// Mean squared residuals in units of their variance, with their degrees of freedom: of points from the plane, and
-    /// of the means of columns, which also tell of errors that neighbouring points share.
-    pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
-        let near = Near::of(plane);
-        let (mut of_points, mut of_means) = ((0.0, -3.0), (0.0, -3.0));
-        for (at, column) in self.all.iter().enumerate().filter(|(at, _)| counts[*at]) {
-            let Some(deviation) = column.deviation(&near, floor) else { continue };
-            let count = column.sum.count() as f64;
-            of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
-            // Errors carry points from column to column and with them the mean, which is made up for by the columns on the
-            // other side; not so at a border.
-            let sides = self.after[at].into_iter().chain(self.before[at]);
-            let within = sides.into_iter().all(|side| side.is_some_and(|side| counts[side as usize]));
-            if within {
-                of_means = (of_means.0 + deviation.mean, of_means.1 + 1.0);
-            }
-        }
-        [of_points, of_means].map(|(sum, freedom): (f64, f64)| {
-            // Three residuals tell nothing: a plane goes through three points.
-            if freedom < 1.0 { (0.0, 1.0) } else { (sum / freedom, freedom) }
-        })
-    }
-
-    /// Moves the plane back by what the errors carry over the faces between columns: those with an error to one side in,
-    /// those to the other out. Where both columns count alike, one gains what the other loses.
-    pub(crate) fn take_back_cuts(&self, counts: &[bool], plane: &mut CovariantPlane, size: f64) {
-        let PlaneFit { centroid, normal, axes, .. } = plane.fit;
-        let (centroid, normal, [e1, e2]) =
-            (DVec3::from(centroid), DVec3::from(normal), axes.map(DVec3::from));
-        let weights: Vec<f64> = self
-            .all
-            .iter()
-            .zip(counts)
-            .map(|(column, counts)| if *counts { plane.weight(&column.sum) } else { 0.0 })
-            .collect();
-        let mut pull = DVec3::ZERO;
-        for (at, (column, weight)) in self.all.iter().zip(&weights).enumerate() {
-            for (side, beside) in [1, 2].into_iter().zip(self.after[at]) {
-                let Some(beside) = beside.map(|place| place as usize) else { continue };
-                let step = weight - weights[beside];
-                if step.abs() <= ALIKE * weight {
-                    continue;
-                }
-                let other = &self.all[beside];
-                // The one that counts, and the direction from it to the other.
-                let (inner, outer, sign) =
-                    if counts[at] { (column, other, 1.0) } else { (other, column, -1.0) };
-                let Some(mean) = inner.sum.mean().map(DVec3::from) else { continue };
-                let e = (self.axis + side) % 3;
-                let noise = inner.noise_of_points() * inner.sum.count() as f64;
-                let carried = if counts[at] && counts[beside] {
-                    (noise + outer.noise_of_points() * outer.sum.count() as f64) * 0.5
-                } else if outer.of == Of::Rim {
-                    // Where it goes on with fewer points, they thin out towards the border.
-                    noise * (0.5 + 0.5 * (outer.sum.count() as f64 / inner.sum.count() as f64).min(1.0))
-                } else {
-                    noise
-                };
-                let sum = -step / size * DVec3::from(carried.rows()[e]).dot(normal);
-                let mut face = mean - centroid;
-                // To the middle of the face, on the plane.
-                let half = 0.5 * sign * size;
-                face[e] += half;
-                face[self.axis] -= half * normal[e] / normal[self.axis];
-                pull += sum * DVec3::new(face.dot(e1), face.dot(e2), -1.0);
-            }
-        }
-        let [tilt1, tilt2, offset] = (pull * DVec3::from(plane.gain)).to_array();
-        let turned = (normal + tilt1 * e1 + tilt2 * e2).normalize();
-        plane.fit.normal = turned.to_array();
-        // In the plane again: the first less what stands on it, the second across both.
-        let first = (e1 - e1.dot(turned) * turned).normalize();
-        let second = turned.cross(first);
-        let second = if second.dot(e2) < 0.0 { -second } else { second };
-        plane.fit.axes = [first.to_array(), second.to_array()];
-        plane.fit.centroid = (centroid + offset * normal).to_array();
-    }
-}
-
-/// How far a column is from a plane, squared, in units of variances.
-struct Deviation {
-    /// Of its mean, in units of that of a point.
-    off: f64,
-    /// Of its mean, in units of that of the mean.
-    mean: f64,
-    /// Of its points from their mean.
-    scatter: f64,
-}
-
-/// How far columns usually are from the plane, at least as far as their errors say: where surfaces are not as flat as that,
-/// all deviate, and others stand out from them.
-struct Usual {
-    mean: f64,
-    scatter: f64,
-}
-
-impl Usual {
-    fn of(deviations: &[Option<Deviation>]) -> Self {
-        let usual = |of: fn(&Deviation) -> f64| median(deviations.iter().flatten().map(of)).max(1.0);
-        Self { mean: usual(|d| d.mean / MEDIAN), scatter: usual(|d| d.scatter) }
-    }
-
-    /// Whether a column of so many points is off by no more than so many standard errors.
-    fn holds(&self, deviation: &Deviation, points: u64, errors: f64) -> bool {
-        deviation.mean <= errors * errors * self.mean
-            && deviation.scatter
-                <= self.scatter * (1.0 + errors.max(DEVIATIONS) * (2.0 / points as f64).sqrt())
-    }
 }
 
 impl Column {
     /// The mean covariance of the error of a point.
-    fn noise_of_points(&self) -> SymmetricMatrix3 {
+    pub(crate) fn noise_of_points(&self) -> SymmetricMatrix3 {
         mean_noise(&self.sum) + self.shared.of_points
-    }
-
-    fn deviation(&self, near: &Near, floor: f64) -> Option<Deviation> {
-        let normal = near.normal.to_array();
-        let off = near.normal.dot(DVec3::from(self.sum.mean()?) - near.centroid).powi(2);
-        let scatter = self.sum.covariance()?.quadratic_form(normal).max(0.0);
-        let own = variance_along(&self.sum, near.normal);
-        let floor = floor * floor;
-        let of_point = own + self.shared.of_points.quadratic_form(normal) + floor;
-        let of_mean = own / self.sum.count() as f64 + self.shared.of_mean.quadratic_form(normal) + floor;
-        (of_mean > 0.0).then(|| Deviation {
-            off: off / of_point,
-            mean: off / of_mean,
-            scatter: scatter / of_point,
-        })
     }
 }
 
 /// A place and the eight beside it.
-fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
+pub(crate) fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
     (-1..=1).flat_map(move |x: i32| (-1..=1).map(move |y: i32| [a.saturating_add(x), b.saturating_add(y)]))
 }
 
@@ -474,7 +290,7 @@ fn mean_noise(cell: &Stats) -> SymmetricMatrix3 {
     cell.moments().noise() * (1.0 / cell.count().max(1) as f64)
 }
 
-fn variance_along(cell: &Stats, direction: DVec3) -> f64 {
+pub(crate) fn variance_along(cell: &Stats, direction: DVec3) -> f64 {
     mean_noise(cell).quadratic_form(direction.to_array())
 }
 
@@ -483,11 +299,4 @@ fn reach(variance: f64, size: f64) -> i32 {
     let voxels = (FAR * variance.max(0.0).sqrt() / size).ceil();
     // Also where it is NaN.
     (1..REACH).find(|reach| voxels <= f64::from(*reach)).unwrap_or(REACH)
-}
-
-/// 0 of nothing.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

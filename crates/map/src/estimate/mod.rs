@@ -2,9 +2,11 @@
 
 mod cells;
 mod columns;
+mod faces;
 mod level;
 mod shared;
 mod sightings;
+mod support;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -261,7 +263,8 @@ impl Owned<'_> {
             .filter(|(value, freedom)| *value > 1.0 + SIGNIFICANT * (2.0 / freedom).sqrt())
             .fold(1.0, |growth: f64, (value, _)| growth.max(*value));
         plane.tilt_offset = plane.tilt_offset * growth;
-        plane.tilt_offset += columns.shared_by_scans(counts, &plane, self.errors.views);
+        plane.tilt_offset +=
+            columns.shared_by_scans(counts, &plane, self.errors.views, self.grid.cell_size());
         // What does not average out tells of a plane as much as a single point: of each tilt, one at the rms extent.
         let floor = self.errors.floor * self.errors.floor;
         let [_, across, along] = plane.fit.variances;

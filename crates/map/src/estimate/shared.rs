@@ -45,11 +45,16 @@ impl Columns {
     /// A point p of a scan from s moves along the normal by `n·δt + δω·((p − s) × n)` with the error (δt, δω) of its pose
     /// ([`terrace_noise::jacobian`]), and pulls by `w (−u, −v, 1)` times that. The pulls of a scan add up to a 3×6 matrix g,
     /// from the sums of the columns; the covariance is `Σ A⁻¹ g Σ_pose gᵀ A⁻¹` over the scans.
+    ///
+    /// The error also carries all points of the scan over the faces at which the support ends, by its part across them. What
+    /// that adds has the mean of the errors of points, and is taken back with them; but being the same for all points, it scatters
+    /// as much as it is large: by the variance `nᵀCn aᵀCb + nᵀCa nᵀCb` of products of errors along n, a and b.
     pub(crate) fn shared_by_scans(
         &self,
         counts: &[bool],
         plane: &CovariantPlane,
         views: &[View],
+        size: f64,
     ) -> SymmetricMatrix3 {
         if !views.iter().any(|view| view.pose.is_some()) {
             return SymmetricMatrix3::ZERO;
@@ -74,24 +79,45 @@ impl Columns {
                 }
             }
         }
+        // By scan, for displacements along each axis of the world.
+        let mut carried = vec![[DVec3::ZERO; 3]; views.len()];
+        for face in self.faces(counts, plane, size) {
+            for sighting in &face.inner.seen {
+                let part = f64::from(sighting.points) / face.inner.sum.count() as f64;
+                if let Some(of_scan) = carried.get_mut(sighting.view as usize) {
+                    of_scan[face.across] += face.pull_of(part);
+                }
+            }
+        }
         let mut sum = SymmetricMatrix3::ZERO;
-        for (pull, view) in pulls.iter().zip(views) {
-            let Some(pose) = view.pose else { continue };
+        for ((pull, carried), view) in pulls.iter().zip(&carried).zip(views) {
+            let (Some(pose), Some(sensor)) = (view.pose, view.sensor) else { continue };
             let covariance = pose.covariance();
             let times = |a: &[f64; 6]| covariance.map(|row| inner(&row, a));
-            let half = [0, 1, 2].map(|i| times(&pull[i]));
-            let [a, b, c] = plane.gain;
-            sum += SymmetricMatrix3([
-                a * a * inner(&pull[0], &half[0]),
-                a * b * inner(&pull[0], &half[1]),
-                a * c * inner(&pull[0], &half[2]),
-                b * b * inner(&pull[1], &half[1]),
-                b * c * inner(&pull[1], &half[2]),
-                c * c * inner(&pull[2], &half[2]),
-            ]);
+            let half = pull.map(|row| times(&row));
+            sum += of_entries(|i, j| inner(&pull[i], &half[j]));
+            let Some(at_centroid) = pose.at(sensor, plane.fit.centroid) else { continue };
+            let rows = at_centroid.rows().map(DVec3::from);
+            let normal = DVec3::from(plane.fit.normal);
+            let with_normal = rows.map(|row| row.dot(normal));
+            let along = normal.dot(DVec3::from(with_normal));
+            for a in 0..3 {
+                for b in 0..3 {
+                    let scatter = along * rows[a][b] + with_normal[a] * with_normal[b];
+                    sum += of_entries(|i, j| {
+                        0.5 * scatter * (carried[a][i] * carried[b][j] + carried[a][j] * carried[b][i])
+                    });
+                }
+            }
         }
-        sum
+        let gain = plane.gain;
+        let sum = sum.rows();
+        of_entries(|i, j| gain[i] * sum[i][j] * gain[j])
     }
+}
+
+fn of_entries(entry: impl Fn(usize, usize) -> f64) -> SymmetricMatrix3 {
+    SymmetricMatrix3([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| entry(i, j)))
 }
 
 /// The mean pull of a point of the column by (δt, δω).

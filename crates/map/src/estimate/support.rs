@@ -1,0 +1,147 @@
+//! Which columns hold nothing but the plane, and how far they are from it.
+
+use glam::DVec3;
+use terrace_normals::CovariantPlane;
+
+use super::columns::{Column, Columns, Near, Of, around, variance_along};
+
+/// Cells further off than this many standard errors of their points are not of the plane.
+const FAR: f64 = 4.0;
+/// Columns whose mean or scatter is off by more of its standard errors hold something else.
+const DEVIATIONS: f64 = 4.0;
+/// Where columns usually deviate by more than this, in units of their variance, a plane is looked for that fits most.
+const ROUGH: f64 = 2.0;
+/// Columns that deviate by no more of their usual deviation are most likely of it.
+const CORE: f64 = 2.0;
+/// The median of χ² of one degree of freedom.
+const MEDIAN: f64 = 0.4549;
+
+impl Columns {
+    /// Which columns lie on the plane as far as their points can tell one by one, and have none beside them that does not.
+    pub(crate) fn near(&self, near: &Near, floor: f64) -> Vec<bool> {
+        let lies_on = |deviation: &Deviation| deviation.off <= FAR * FAR && deviation.scatter <= FAR * FAR;
+        self.apart(self.deviations(near, floor).iter().map(|d| d.as_ref().is_some_and(lies_on)))
+    }
+
+    /// Which columns lie on the plane and have none beside them that does not: the mean by its own error, the scatter by that
+    /// of a scatter.
+    pub(crate) fn support(&self, near: &Near, floor: f64) -> Vec<bool> {
+        let deviations = self.deviations(near, floor);
+        let usual = Usual::of(&deviations);
+        self.apart(self.all.iter().zip(&deviations).map(|(column, deviation)| {
+            deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), DEVIATIONS))
+        }))
+    }
+
+    /// Which columns lie on the plane better than most do, where most do not lie as well as errors say: the plane may be off,
+    /// because a part of its cells are those of something else. `None` where they do.
+    pub(crate) fn core(&self, near: &Near, floor: f64) -> Option<Vec<bool>> {
+        let deviations = self.deviations(near, floor);
+        let usual = Usual::of(&deviations);
+        (usual.mean > ROUGH).then(|| {
+            let core = |(column, deviation): (&Column, &Option<Deviation>)| {
+                deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), CORE))
+            };
+            self.all.iter().zip(&deviations).map(core).collect()
+        })
+    }
+
+    /// `None` for columns that are not of the plane alone.
+    fn deviations(&self, near: &Near, floor: f64) -> Vec<Option<Deviation>> {
+        self.all.iter().map(|c| c.deviation(near, floor).filter(|_| c.of == Of::Plane)).collect()
+    }
+
+    /// Those for which it holds, and for all beside them.
+    fn apart(&self, holds: impl Iterator<Item = bool>) -> Vec<bool> {
+        let mut counts = vec![true; self.all.len()];
+        // From the few for which it does not: the others need no look around.
+        for ((at, column), _) in self.all.iter().enumerate().zip(holds).filter(|(_, holds)| !holds) {
+            counts[at] = false;
+            if column.of == Of::Rim {
+                continue;
+            }
+            for near in around(column.place).filter_map(|place| self.find(place)) {
+                counts[near] = false;
+            }
+        }
+        counts
+    }
+
+    /// Mean squared residuals in units of their variance, with their degrees of freedom: of points from the plane, and
+    /// of the means of columns, which also tell of errors that neighbouring points share.
+    pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
+        let near = Near::of(plane);
+        let (mut of_points, mut of_means) = ((0.0, -3.0), (0.0, -3.0));
+        for (at, column) in self.all.iter().enumerate().filter(|(at, _)| counts[*at]) {
+            let Some(deviation) = column.deviation(&near, floor) else { continue };
+            let count = column.sum.count() as f64;
+            of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
+            // Errors carry points from column to column and with them the mean, which is made up for by the columns on the
+            // other side; not so at a border.
+            let sides = self.after[at].into_iter().chain(self.before[at]);
+            let within = sides.into_iter().all(|side| side.is_some_and(|side| counts[side as usize]));
+            if within {
+                of_means = (of_means.0 + deviation.mean, of_means.1 + 1.0);
+            }
+        }
+        [of_points, of_means].map(|(sum, freedom): (f64, f64)| {
+            // Three residuals tell nothing: a plane goes through three points.
+            if freedom < 1.0 { (0.0, 1.0) } else { (sum / freedom, freedom) }
+        })
+    }
+}
+
+/// How far a column is from a plane, squared, in units of variances.
+struct Deviation {
+    /// Of its mean, in units of that of a point.
+    off: f64,
+    /// Of its mean, in units of that of the mean.
+    mean: f64,
+    /// Of its points from their mean.
+    scatter: f64,
+}
+
+/// How far columns usually are from the plane, at least as far as their errors say: where surfaces are not as flat as that,
+/// all deviate, and others stand out from them.
+struct Usual {
+    mean: f64,
+    scatter: f64,
+}
+
+impl Usual {
+    fn of(deviations: &[Option<Deviation>]) -> Self {
+        let usual = |of: fn(&Deviation) -> f64| median(deviations.iter().flatten().map(of)).max(1.0);
+        Self { mean: usual(|d| d.mean / MEDIAN), scatter: usual(|d| d.scatter) }
+    }
+
+    /// Whether a column of so many points is off by no more than so many standard errors.
+    fn holds(&self, deviation: &Deviation, points: u64, errors: f64) -> bool {
+        deviation.mean <= errors * errors * self.mean
+            && deviation.scatter
+                <= self.scatter * (1.0 + errors.max(DEVIATIONS) * (2.0 / points as f64).sqrt())
+    }
+}
+
+impl Column {
+    fn deviation(&self, near: &Near, floor: f64) -> Option<Deviation> {
+        let normal = near.normal.to_array();
+        let off = near.normal.dot(DVec3::from(self.sum.mean()?) - near.centroid).powi(2);
+        let scatter = self.sum.covariance()?.quadratic_form(normal).max(0.0);
+        let own = variance_along(&self.sum, near.normal);
+        let floor = floor * floor;
+        let of_point = own + self.shared.of_points.quadratic_form(normal) + floor;
+        let of_mean = own / self.sum.count() as f64 + self.shared.of_mean.quadratic_form(normal) + floor;
+        (of_mean > 0.0).then(|| Deviation {
+            off: off / of_point,
+            mean: off / of_mean,
+            scatter: scatter / of_point,
+        })
+    }
+}
+
+/// 0 of nothing.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
