@@ -6,6 +6,7 @@ mod args;
 mod commands;
 mod error;
 mod eval_args;
+mod extract_args;
 mod picture;
 mod progress;
 mod report;

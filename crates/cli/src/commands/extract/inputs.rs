@@ -13,8 +13,9 @@ use terrace_io::{
 };
 use terrace_noise::{SensorNoise, Uniform};
 
-use crate::args::{ExtractArgs, Preset, ReadArgs};
+use crate::args::{Preset, ReadArgs};
 use crate::error::CliError;
+use crate::extract_args::ExtractArgs;
 use crate::progress::Progress;
 
 /// How files are read, from the arguments.

@@ -10,8 +10,9 @@ use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
 use terrace_io::{ReadOptions, read_counted, write_labelled_ply, write_labels_npy};
 
-use crate::args::{Cost, ExtractArgs, Preset, SearchMethod};
+use crate::args::{Cost, Preset, SearchMethod};
 use crate::error::CliError;
+use crate::extract_args::ExtractArgs;
 use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
 use crate::report;
@@ -34,7 +35,7 @@ pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
 fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     let start = Instant::now();
     let options = read_options(&args.read)?;
-    let mut mapper = Mapper::new(params(args))?;
+    let mut mapper = Mapper::new(params(args)?)?;
     let sources = sources(args)?;
     let mut progress = Progress::new(args.quiet);
     let mut timings = Timings::default();
@@ -70,7 +71,7 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-fn params(args: &ExtractArgs) -> Params {
+fn params(args: &ExtractArgs) -> Result<Params, CliError> {
     let mut params = match args.preset {
         Preset::Default => Params::default(),
         Preset::Paper => Params::paper(),
@@ -82,6 +83,17 @@ fn params(args: &ExtractArgs) -> Params {
     params.depth = args.depth.unwrap_or(params.depth);
     params.min_cells = args.min_cells.unwrap_or(params.min_cells);
     params.seed = args.seed;
+    if args.no_covariance {
+        params.estimate = None;
+    }
+    if let Some(floor) = args.floor {
+        let Some(estimate) = &mut params.estimate else {
+            return Err(CliError::Usage(
+                "--floor is part of the covariance of planes, which --preset paper does not make".to_owned(),
+            ));
+        };
+        estimate.floor = floor;
+    }
     if args.no_optimise {
         params.optimise = None;
     }
@@ -102,7 +114,7 @@ fn params(args: &ExtractArgs) -> Params {
             *evaluations = most.into();
         }
     }
-    params
+    Ok(params)
 }
 
 /// Extracts the planes, with the time of each stage.
