@@ -9,7 +9,9 @@
 use proptest::option;
 use proptest::prelude::*;
 use serde_json::json;
-use terrace_io::planes_json::{PhiInterval, PlaneRecord, PlanesFile, PlanesJsonError, Summary, Timings};
+use terrace_io::planes_json::{
+    PhiInterval, PlaneRecord, PlanesFile, PlanesJsonError, Summary, TiltOffset, Timings,
+};
 use terrace_io::{FileError, WriteErrorKind};
 use terrace_types::{Plane, PlaneId};
 
@@ -20,17 +22,32 @@ fn number() -> impl Strategy<Value = f64> {
 fn record() -> impl Strategy<Value = PlaneRecord> {
     let vector = || prop::array::uniform3(number());
     let interval = (number(), option::of(number())).prop_map(|(lo, hi)| PhiInterval { lo, hi });
+    let matrix = prop::array::uniform4(prop::array::uniform4(number()));
+    let own = (vector(), prop::array::uniform2(vector()), prop::array::uniform3(vector()))
+        .prop_map(|(at, axes, matrix)| TiltOffset { at, axes, matrix });
     (
         (any::<u32>(), option::of("\\PC{0,8}"), prop::array::uniform4(number()), option::of(vector())),
         (option::of(vector()), any::<u64>(), option::of(any::<u64>()), option::of(number())),
         (option::of(number()), option::of(interval)),
+        (
+            option::of(matrix),
+            option::of(own),
+            option::of(number()),
+            option::of(number()),
+            option::of(vector()),
+        ),
     )
-        .prop_map(|(a, b, c)| PlaneRecord {
+        .prop_map(|(a, b, c, d)| PlaneRecord {
             id: a.0,
             name: a.1,
             coefficients: a.2,
             centroid: a.3,
             normal_uncertainty: b.0,
+            covariance: d.0,
+            tilt_offset_covariance: d.1,
+            reduced_chi_squared: d.2,
+            growth: d.3,
+            min_max: d.4,
             points: b.1,
             cells: b.2,
             rms: b.3,
@@ -67,6 +84,20 @@ fn example() -> PlanesFile {
     let record = PlaneRecord {
         centroid: Some([0.25, 0.5, 1.5]),
         normal_uncertainty: Some([0.01, 0.02, 0.0]),
+        covariance: Some([
+            [4e-8, 0.0, 0.0, -1e-8],
+            [0.0, 1e-8, 0.0, -5e-9],
+            [0.0; 4],
+            [-1e-8, -5e-9, 0.0, 9.005e-6],
+        ]),
+        tilt_offset_covariance: Some(TiltOffset {
+            at: [0.25, 0.5, 1.5],
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            matrix: [[4e-8, 0.0, 0.0], [0.0, 1e-8, 0.0], [0.0, 0.0, 9e-6]],
+        }),
+        reduced_chi_squared: Some(1.5),
+        growth: Some(1.25),
+        min_max: Some([0.001, 0.002, 0.0]),
         cells: Some(7),
         rms: Some(0.002),
         phi: Some(0.3),
@@ -83,12 +114,64 @@ fn layout_of_the_file() {
         "format": "terrace-planes", "version": 1, "parameters": {},
         "planes": [{
             "id": 1, "coefficients": [0.0, 0.0, 1.0, -1.5], "centroid": [0.25, 0.5, 1.5],
-            "normal_uncertainty": [0.01, 0.02, 0.0], "points": 120, "cells": 7, "rms": 0.002,
+            "normal_uncertainty": [0.01, 0.02, 0.0],
+            "covariance": [
+                [4e-8, 0.0, 0.0, -1e-8], [0.0, 1e-8, 0.0, -5e-9], [0.0, 0.0, 0.0, 0.0],
+                [-1e-8, -5e-9, 0.0, 9.005e-6]
+            ],
+            "tilt_offset_covariance": {
+                "at": [0.25, 0.5, 1.5], "axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                "matrix": [[4e-8, 0.0, 0.0], [0.0, 1e-8, 0.0], [0.0, 0.0, 9e-6]]
+            },
+            "reduced_chi_squared": 1.5, "growth": 1.25, "min_max": [0.001, 0.002, 0.0],
+            "points": 120, "cells": 7, "rms": 0.002,
             "phi": 0.3, "phi_interval": [0.25, null]
         }]
     });
     assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), expected);
     assert!(text.starts_with("{\n  \"format\": \"terrace-planes\",\n  \"version\": 1,\n"), "{text}");
+}
+
+#[test]
+fn a_file_without_covariances_is_read() {
+    let text = r#"{"format": "terrace-planes", "version": 1, "planes": [{"id": 1, "coefficients": [0, 0, 1, -1.5],
+        "normal_uncertainty": [0.01, 0.02, 0], "points": 120}]}"#;
+    let file = PlanesFile::from_json(text.as_bytes()).unwrap();
+    let plane = &file.planes[0];
+    assert!(plane.covariance.is_none() && plane.tilt_offset_covariance.is_none() && plane.min_max.is_none());
+    assert!(plane.reduced_chi_squared.is_none() && plane.growth.is_none());
+    let text = file.to_json().unwrap();
+    assert!(!text.contains("covariance") && !text.contains("growth"), "{text}");
+}
+
+#[test]
+fn both_covariances_tell_the_same_distances() {
+    let file = example();
+    let (of_coefficients, own) =
+        (file.planes[0].covariance.unwrap(), file.planes[0].tilt_offset_covariance.unwrap());
+    for point in [[0.25, 0.5, 1.5], [0.0, 0.0, 0.0], [8.0, -3.0, 1.0]] {
+        let at = [point[0], point[1], point[2], 1.0];
+        let variance: f64 =
+            (0..4).flat_map(|i| (0..4).map(move |j| at[i] * of_coefficients[i][j] * at[j])).sum();
+        assert!((variance.sqrt() - own.distance(point)).abs() < 1e-12, "{point:?}");
+    }
+    assert!((own.largest_tilt() - 2e-4).abs() < 1e-15);
+    assert!((own.offset() - 3e-3).abs() < 1e-15);
+}
+
+#[test]
+fn the_largest_tilt_is_that_of_any_axes() {
+    let turned = |angle: f64| {
+        let (s, c) = angle.sin_cos();
+        let (large, small) = (9e-6, 1e-6);
+        let (xx, xy, yy) =
+            (c * c * large + s * s * small, s * c * (large - small), s * s * large + c * c * small);
+        let matrix = [[xx, xy, 0.0], [xy, yy, 0.0], [0.0, 0.0, 1e-6]];
+        TiltOffset { at: [0.0; 3], axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], matrix }
+    };
+    for angle in [0.0, 0.3, 1.0, 1.57, 2.5] {
+        assert!((turned(angle).largest_tilt() - 3e-3).abs() < 1e-12, "{angle}");
+    }
 }
 
 #[test]
@@ -124,10 +207,17 @@ type Spoil = fn(&mut PlanesFile);
 
 #[test]
 fn nan_and_infinity_are_refused_by_name() {
-    let spoil: [(&str, Spoil); 8] = [
+    let spoil: [(&str, Spoil); 13] = [
         ("planes[0].coefficients", |f| f.planes[0].coefficients[3] = f64::NAN),
         ("planes[0].centroid", |f| f.planes[0].centroid = Some([f64::INFINITY; 3])),
         ("planes[0].normal_uncertainty", |f| f.planes[0].normal_uncertainty = Some([f64::NAN; 3])),
+        ("planes[0].covariance", |f| f.planes[0].covariance = Some([[0.0, 0.0, 0.0, f64::NAN]; 4])),
+        ("planes[0].tilt_offset_covariance", |f| {
+            f.planes[0].tilt_offset_covariance.as_mut().unwrap().axes[1][2] = f64::INFINITY;
+        }),
+        ("planes[0].reduced_chi_squared", |f| f.planes[0].reduced_chi_squared = Some(f64::INFINITY)),
+        ("planes[0].growth", |f| f.planes[0].growth = Some(f64::NAN)),
+        ("planes[0].min_max", |f| f.planes[0].min_max = Some([0.0, 0.0, f64::NAN])),
         ("planes[0].rms", |f| f.planes[0].rms = Some(f64::NEG_INFINITY)),
         ("planes[0].phi", |f| f.planes[0].phi = Some(f64::NAN)),
         ("planes[0].phi_interval", |f| {

@@ -2,13 +2,16 @@
 //!
 //! Every field, with its unit, is described in `docs/planes-json.md` of the repository.
 
+mod plane;
+
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use terrace_types::{Plane, PlaneId};
 
 use crate::{FileError, WriteError, WriteErrorKind, write_atomically};
+
+pub use plane::{PhiInterval, PlaneRecord, TiltOffset};
 
 /// What the field `format` holds.
 pub const FORMAT: &str = "terrace-planes";
@@ -45,60 +48,6 @@ pub struct PlanesFile {
     /// Wall-clock time of each stage; left out where files of two runs are to be compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_seconds: Option<Timings>,
-}
-
-/// One plane.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PlaneRecord {
-    /// The plane's number, from 1: its label in `labels.npy`.
-    pub id: u32,
-    /// What it is, where that is known, as in synthetic scenes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// `[a, b, c, d]` with `a x + b y + c z + d = 0`, unit normal `(a, b, c)`, and `d` in metres.
-    pub coefficients: [f64; 4],
-    /// Mean of its points, in metres.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub centroid: Option<[f64; 3]>,
-    /// Standard error of each component of the normal (`s_x`, `s_y`, `s_z`), without unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal_uncertainty: Option<[f64; 3]>,
-    /// Number of points labelled with it.
-    pub points: u64,
-    /// Number of grid cells.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cells: Option<u64>,
-    /// Root mean square distance of its points from it, in metres.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rms: Option<f64>,
-    /// The orientation distance φ at which it was clustered, without unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub phi: Option<f64>,
-    /// The φ at which the same clusters come out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub phi_interval: Option<PhiInterval>,
-}
-
-/// The half-open interval `[lo, hi)` of φ on which a result holds; `[lo, hi]` in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(from = "(f64, Option<f64>)", into = "(f64, Option<f64>)")]
-pub struct PhiInterval {
-    /// The smallest φ.
-    pub lo: f64,
-    /// The end, not included; `None` (null in the file) when there is none.
-    pub hi: Option<f64>,
-}
-
-impl From<(f64, Option<f64>)> for PhiInterval {
-    fn from((lo, hi): (f64, Option<f64>)) -> Self {
-        Self { lo, hi }
-    }
-}
-
-impl From<PhiInterval> for (f64, Option<f64>) {
-    fn from(interval: PhiInterval) -> Self {
-        (interval.lo, interval.hi)
-    }
 }
 
 /// Totals over a result.
@@ -187,35 +136,6 @@ struct Document<'a> {
     envelope: Envelope<'a>,
     #[serde(flatten)]
     content: &'a PlanesFile,
-}
-
-impl PlaneRecord {
-    /// A record of a plane with nothing but its number, coefficients and count of points.
-    pub fn new(id: PlaneId, plane: &Plane, points: u64) -> Self {
-        Self {
-            id: id.get(),
-            name: None,
-            coefficients: plane.coefficients(),
-            centroid: None,
-            normal_uncertainty: None,
-            points,
-            cells: None,
-            rms: None,
-            phi: None,
-            phi_interval: None,
-        }
-    }
-
-    fn numbers(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
-        let named = |name| move |value: &f64| (name, *value);
-        let interval = self.phi_interval.iter().flat_map(|i| std::iter::once(i.lo).chain(i.hi));
-        (self.coefficients.iter().map(named("coefficients")))
-            .chain(self.centroid.iter().flatten().map(named("centroid")))
-            .chain(self.normal_uncertainty.iter().flatten().map(named("normal_uncertainty")))
-            .chain(self.rms.iter().map(named("rms")))
-            .chain(self.phi.iter().map(named("phi")))
-            .chain(interval.map(|value| ("phi_interval", value)))
-    }
 }
 
 impl PlanesFile {
