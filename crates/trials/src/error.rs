@@ -11,6 +11,16 @@ pub enum TrialError {
     /// The points have no errors of their own, and no model of a sensor was given.
     #[error("the scans tell no standard errors to draw noise from; name a sensor")]
     NoErrors,
+    /// The points of a scan are not points of the map it is held against.
+    #[error("a scan has the points {first} to {end} of a map, which has {points} points")]
+    Unlabelled {
+        /// Its first point.
+        first: usize,
+        /// The point after its last.
+        end: usize,
+        /// The points of the map.
+        points: usize,
+    },
     /// A scene could not be scanned so.
     #[error(transparent)]
     Synth(#[from] SynthError),
