@@ -1,8 +1,13 @@
-//! A plane map as `planes.json` and as a table.
+//! A plane map as `planes.json`.
 
 use serde_json::{Map, Value, json};
-use terrace::{Assignment, CostForm, ExtractedPlane, FitTo, PlaneMap, Search, Weighting};
-use terrace_io::planes_json::{OptimisedSummary, PhiInterval, PlaneRecord, PlanesFile, Summary, Timings};
+use terrace::{
+    Assignment, CostForm, ExtractedPlane, FitTo, NoiseKnot, NoiseLevel, PlaneEstimate, PlaneMap, Search,
+    Weighting,
+};
+use terrace_io::planes_json::{
+    OptimisedSummary, PhiInterval, PlaneRecord, PlanesFile, Summary, TiltOffset, Timings,
+};
 
 /// Everything `planes.json` holds. `extra` are parameters of the run that the map does not know.
 pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) -> PlanesFile {
@@ -27,11 +32,23 @@ fn record(plane: &ExtractedPlane) -> PlaneRecord {
     let mut record = PlaneRecord::new(plane.id, &plane.plane, plane.points);
     record.centroid = Some(plane.centroid);
     record.normal_uncertainty = Some(plane.normal_uncertainty);
+    if let Some(estimate) = &plane.estimate {
+        record.covariance = Some(estimate.coefficients);
+        record.tilt_offset_covariance = Some(tilt_offset(estimate));
+        record.reduced_chi_squared = Some(estimate.reduced_chi_squared);
+        record.growth = Some(estimate.growth);
+        record.min_max = estimate.min_max;
+    }
     record.cells = Some(plane.cells as u64);
     record.rms = Some(plane.rms);
     record.phi = Some(plane.phi);
     record.phi_interval = Some(PhiInterval { lo: plane.phi_interval.lo, hi: plane.phi_interval.hi });
     record
+}
+
+/// The covariance of a plane, as it stands in `planes.json`.
+pub fn tilt_offset(estimate: &PlaneEstimate) -> TiltOffset {
+    TiltOffset { at: estimate.centroid, axes: estimate.axes, matrix: estimate.tilt_offset }
 }
 
 fn parameters(map: &PlaneMap) -> Map<String, Value> {
@@ -79,6 +96,8 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ),
         ("seeds", json!(if p.random_seeds { "random" } else { "most_certain" })),
         ("optimise", optimise),
+        ("estimate", json!(p.estimate.map(|estimate| json!({ "floor": estimate.floor })))),
+        ("noise_found", json!(map.noise.as_ref().map(noise))),
         ("min_cells", json!(p.min_cells)),
         ("seed", json!(p.seed)),
         ("cells_occupied", json!(map.cell_counts.occupied)),
@@ -86,28 +105,6 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ("cells_clustered", json!(map.cell_counts.clustered)),
     ];
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
-}
-
-/// The largest planes as a table for people.
-pub fn table(map: &PlaneMap, rows: usize) -> String {
-    let mut text = String::from(
-        "  id      points   cells          a        b        c          d    s_x    s_y    s_z   rms mm    phi\n",
-    );
-    for plane in map.planes.iter().take(rows) {
-        let ([a, b, c, d], [sx, sy, sz]) = (plane.plane.coefficients(), plane.normal_uncertainty);
-        text += &format!(
-            "{:>4} {:>11} {:>7}   {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.3}  {sx:.3}  {sy:.3}  {sz:.3} {:>8.2}  {:.3}\n",
-            plane.id.get(),
-            plane.points,
-            plane.cells,
-            1000.0 * plane.rms,
-            plane.phi,
-        );
-    }
-    if map.planes.len() > rows {
-        text += &format!("  ... and {} more in planes.json\n", map.planes.len() - rows);
-    }
-    text
 }
 
 fn optimised(map: &PlaneMap) -> OptimisedSummary {
@@ -120,6 +117,11 @@ fn optimised(map: &PlaneMap) -> OptimisedSummary {
         certified_mean: (clusters > 0).then(|| certified / clusters as f64),
         evaluations: searches().map(|m| m.evaluations as u64).sum(),
     }
+}
+
+fn noise(found: &NoiseLevel) -> Value {
+    let knot = |knot: &NoiseKnot| json!({ "range": knot.range, "along": knot.along, "across": knot.across });
+    json!({ "places": found.places, "knots": found.knots.iter().map(knot).collect::<Vec<_>>() })
 }
 
 fn search(search: Search) -> Value {

@@ -1,6 +1,7 @@
 //! `terrace extract`: scans in, planes out.
 
 mod inputs;
+mod summary;
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,9 +20,6 @@ use crate::report;
 
 use inputs::{Inputs, labelled_points, sources};
 pub use inputs::{insert_all, intrinsics, not_measured, read_options};
-
-/// Rows of the table printed at the end.
-const ROWS: usize = 20;
 
 /// Runs on a pool of its own, so that `--threads` holds for everything.
 pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
@@ -66,7 +64,7 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     report::planes_file(&map, inputs.parameters(args), timings).write(&args.out.join("planes.json"))?;
     progress.finish();
     if !args.quiet {
-        summarise(&map, &inputs, args);
+        summary::print(&map, &inputs, args);
     }
     Ok(())
 }
@@ -187,25 +185,4 @@ fn write_picture(
     }
     write_png(path, &picture.image()?.png()?)?;
     failed.map_or(Ok(()), Err)
-}
-
-fn summarise(map: &PlaneMap, inputs: &Inputs, args: &ExtractArgs) {
-    let summary = map.summary();
-    print!("{}", report::table(map, ROWS));
-    println!(
-        "{} planes, {} of {} points labelled, {} of {} inputs used; cells of {:.4} m, tau {}",
-        summary.planes,
-        summary.labelled,
-        summary.points,
-        inputs.used(),
-        inputs.used() + inputs.skipped(),
-        map.used.cell_size,
-        map.used.tau,
-    );
-    if !inputs.errors_known() {
-        println!(
-            "standard errors of the points are unknown (--sigma, --sensor): uncertainties rest on their scatter"
-        );
-    }
-    println!("written to {}", args.out.display());
 }
