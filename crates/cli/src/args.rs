@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use terrace_noise::SensorNoise;
 
+use crate::calibrate_args::CalibrateArgs;
 use crate::eval_args::EvalArgs;
 use crate::extract_args::ExtractArgs;
 
@@ -32,6 +33,8 @@ pub enum Command {
     Tune(Box<TuneArgs>),
     /// Compare found labels with true ones: precision, recall, overlap, planes split and merged, angles
     Eval(EvalArgs),
+    /// Test whether the covariances of planes are right: on known planes, or scan against scan
+    Calibrate(Box<CalibrateArgs>),
     /// Make a synthetic scan of a scene with known planes
     Synth(SynthArgs),
     /// Tell what files hold: format, points, bounds, spacing, absent points

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use terrace_trials::TrialError;
+
 /// An error that ends the program.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
@@ -64,6 +66,9 @@ pub enum CliError {
         /// Number of all.
         pairs: usize,
     },
+    /// Covariances could not be tested.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] terrace_io::WriteError),
@@ -86,7 +91,8 @@ impl CliError {
             | Self::Params(_)
             | Self::Intrinsics(_)
             | Self::Synth(_)
-            | Self::TuneOption { .. } => 2,
+            | Self::TuneOption { .. }
+            | Self::Trial(TrialError::NoErrors | TrialError::Synth(_) | TrialError::Params(_)) => 2,
             _ => 1,
         }
     }

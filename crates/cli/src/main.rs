@@ -3,6 +3,7 @@
 //! Arguments are turned into calls of the `terrace` library and of `terrace-io`; no algorithm lives here.
 
 mod args;
+mod calibrate_args;
 mod commands;
 mod error;
 mod eval_args;
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Extract(args) => commands::extract::run(args),
         Command::Eval(args) => commands::eval::run(args),
+        Command::Calibrate(args) => commands::calibrate::run(args),
         Command::Synth(args) => commands::synth::run(args),
         Command::Info(args) => commands::info::run(args),
         Command::Tune(args) => commands::tune::run(args),

@@ -11,6 +11,14 @@ pub enum TrialError {
     /// The points have no errors of their own, and no model of a sensor was given.
     #[error("the scans tell no standard errors to draw noise from; name a sensor")]
     NoErrors,
+    /// Outcomes of different places cannot be added.
+    #[error("outcomes of the planes {ours:?} and {theirs:?} cannot be counted together")]
+    Places {
+        /// Names of the known planes of the outcome that was to be extended.
+        ours: Vec<String>,
+        /// Those of the other.
+        theirs: Vec<String>,
+    },
     /// The points of a scan are not points of the map it is held against.
     #[error("a scan has the points {first} to {end} of a map, which has {points} points")]
     Unlabelled {

@@ -100,7 +100,16 @@ impl Outcome {
         })
     }
 
-    fn merge(&mut self, other: &Self) -> Result<(), TrialError> {
+    /// Adds the outcome of other copies of the same place. In which order does not matter, but for the order of the values.
+    ///
+    /// # Errors
+    /// [`TrialError::Places`], with nothing changed, when the known planes are others.
+    pub fn merge(&mut self, other: &Self) -> Result<(), TrialError> {
+        let names = |outcome: &Self| outcome.by_plane.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        let (ours, theirs) = (names(self), names(other));
+        if ours != theirs {
+            return Err(TrialError::Places { ours, theirs });
+        }
         self.copies += other.copies;
         self.planes.merge(&other.planes)?;
         self.mixed.merge(&other.mixed)?;

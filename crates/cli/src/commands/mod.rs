@@ -1,5 +1,6 @@
 //! One file per command.
 
+pub mod calibrate;
 pub mod eval;
 pub mod extract;
 pub mod info;
