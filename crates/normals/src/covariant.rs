@@ -5,9 +5,6 @@ use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use crate::fit::rounding;
 use crate::{Degenerate, PlaneFit, symmetric_eigen};
 
-/// How often the weights of the cells are computed from the plane before.
-const ROUNDS: usize = 2;
-
 /// A plane and how sure it is, from the known errors of its points.
 ///
 /// First order: right while the errors are small against the extent of the patch, and the tilt that they cause against one
@@ -71,42 +68,53 @@ impl CovariantPlane {
         let anchor = first.mean().unwrap_or(first.anchor());
         // All relative to one anchor, once.
         let cells: Vec<Moments> = cells.map(|cell| *cell.with_anchor(anchor).moments()).collect();
-        let mut sums = Weighted::of(&cells, |_| 1.0);
+        let found = Weighted::of(cells.iter().map(|cell| (cell, 1.0)));
+        if found.count < 4 {
+            return Err(Degenerate::TooFew { found: usize::try_from(found.count).unwrap_or(usize::MAX) });
+        }
+        let fit = found.fit(anchor)?;
+        if !found.noise.is_finite() {
+            return Err(Degenerate::NotFinite);
+        }
+        let first = Self::near(anchor, cells.iter(), fit.normal)?;
+        // The weights follow from the plane, and the plane from the weights.
+        first.map_or(Ok(None), |first| Self::near(anchor, cells.iter(), first.fit.normal))
+    }
+
+    /// As [`of_cells`](Self::of_cells), for sums that are all relative to one anchor and a plane that is known nearly already:
+    /// weights are those of this normal. Allocates the weights alone.
+    ///
+    /// # Errors
+    /// As [`of_cells`](Self::of_cells).
+    pub fn near<'m>(
+        anchor: [f64; 3],
+        cells: impl Iterator<Item = &'m Moments> + Clone,
+        normal: [f64; 3],
+    ) -> Result<Option<Self>, Degenerate> {
+        let variances: Vec<f64> = cells.clone().map(|cell| variance_along(cell, normal)).collect();
+        // A cell without errors among others with them would weigh without end: it counts as the least noisy of them.
+        let least = variances.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+        if least.is_infinite() {
+            return Ok(None);
+        }
+        let weighted = cells.zip(variances.iter().map(|variance| 1.0 / variance.max(least)));
+        let sums = Weighted::of(weighted.clone());
         if sums.count < 4 {
             return Err(Degenerate::TooFew { found: usize::try_from(sums.count).unwrap_or(usize::MAX) });
         }
-        let mut fit = sums.fit(anchor)?;
-        if !sums.noise.is_finite() {
-            return Err(Degenerate::NotFinite);
-        }
-        if sums.noise.quadratic_form(fit.normal) <= 0.0 {
-            return Ok(None);
-        }
-        // A cell without errors among others with them would weigh without end: it counts as the least noisy of them.
-        let least = cells
-            .iter()
-            .map(|cell| variance_along(cell, fit.normal))
-            .filter(|variance| *variance > 0.0)
-            .fold(f64::INFINITY, f64::min);
-        let weight = |cell: &Moments, normal| 1.0 / variance_along(cell, normal).max(least);
-        for _ in 0..ROUNDS {
-            let normal = fit.normal;
-            sums = Weighted::of(&cells, |cell| weight(cell, normal));
-            fit = sums.fit(anchor)?;
-        }
-        let normal = fit.normal;
+        let fit = sums.fit(anchor)?;
         let back = [0, 1, 2].map(|i| anchor[i] - fit.centroid[i]);
         let [_, across, along] = fit.variances;
         let gain = [1.0 / (sums.weight * along), 1.0 / (sums.weight * across), 1.0 / sums.weight];
-        let tilt_offset = covariance(&cells, back, &fit, gain, |cell| weight(cell, normal));
+        let tilt_offset = covariance(weighted, back, &fit, gain);
         let freedom = sums.count as f64 - 3.0;
-        let reduced_chi_squared = sums.scatter().quadratic_form(normal).max(0.0) * sums.weight / freedom;
+        let reduced_chi_squared = sums.scatter().quadratic_form(fit.normal).max(0.0) * sums.weight / freedom;
         Ok(Some(Self { fit, tilt_offset, reduced_chi_squared, gain, least }))
     }
 
     /// What each point of a cell counts: the inverse of the mean variance of their errors along the normal, in 1/m².
-    pub fn weight(&self, cell: &Stats) -> f64 {
-        1.0 / variance_along(cell.moments(), self.fit.normal).max(self.least)
+    pub fn weight(&self, cell: &Moments) -> f64 {
+        1.0 / variance_along(cell, self.fit.normal).max(self.least)
     }
 
     /// The coefficients `(a, b, c, d)` of `a x + b y + c z + d = 0`, with the unit normal `(a, b, c)`.
@@ -150,11 +158,10 @@ struct Weighted {
 }
 
 impl Weighted {
-    fn of(cells: &[Moments], weight: impl Fn(&Moments) -> f64) -> Self {
+    fn of<'m>(cells: impl Iterator<Item = (&'m Moments, f64)>) -> Self {
         let (second, noise) = (SymmetricMatrix3::ZERO, SymmetricMatrix3::ZERO);
         let mut sums = Self { count: 0, weight: 0.0, sum: [0.0; 3], second, noise };
-        for cell in cells {
-            let w = weight(cell);
+        for (cell, w) in cells {
             sums.count = sums.count.saturating_add(cell.count());
             sums.weight += w * cell.weight();
             sums.sum = [0, 1, 2].map(|i| sums.sum[i] + w * cell.sum()[i]);
@@ -183,20 +190,19 @@ impl Weighted {
 }
 
 /// `A⁻¹ B A⁻¹`. The cells are taken about the centroid of the fit, `back` from their anchor.
-fn covariance(
-    cells: &[Moments],
+fn covariance<'m>(
+    cells: impl Iterator<Item = (&'m Moments, f64)>,
     back: [f64; 3],
     fit: &PlaneFit,
     [a, b, c]: [f64; 3],
-    weight: impl Fn(&Moments) -> f64,
 ) -> SymmetricMatrix3 {
     let PlaneFit { normal, axes, .. } = *fit;
     let mut pulls = SymmetricMatrix3::ZERO;
-    for cell in cells {
+    for (cell, weight) in cells {
         let moments = cell.translated(back);
         let points = moments.count().max(1) as f64;
         let noise = moments.noise() * (1.0 / points);
-        let squared = weight(cell) * weight(cell);
+        let squared = weight * weight;
         let v = noise.quadratic_form(normal);
         let of_normal = noise.rows().map(|row| dot(row, normal));
         let [uu, uv, vv] = pairs(&moments.second(), axes);

@@ -90,7 +90,7 @@ impl Owned<'_> {
         let near = Near { centroid: fitted.fit.centroid.into(), normal: fitted.fit.normal.into() };
         let columns = self.columns(None, around, &near, self.errors.level.as_ref());
         let counts = columns.block(columns.place(key), depth);
-        let mut found = columns.fit(&counts)?;
+        let mut found = columns.fit(&counts, near.normal)?;
         columns.take_back_cuts(&counts, &mut found, self.grid.cell_size());
         PlaneEstimate::of(&self.complete(found, &columns, &counts), fitted.fit.normal)
     }

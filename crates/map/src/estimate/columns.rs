@@ -1,9 +1,11 @@
 //! The cells of a plane in columns along its normal.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 use terrace_grid::VoxelKey;
 use terrace_normals::CovariantPlane;
-use terrace_stats::{Stats, SymmetricMatrix3};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
 use super::level::{NoiseLevel, Residuals, scatter_along};
@@ -42,12 +44,18 @@ impl Near {
 pub(crate) struct Column {
     /// Its other two indices.
     pub(crate) place: [i32; 2],
-    /// Of its cells near the plane, with the errors that are known or were found out.
-    pub(crate) sum: Stats,
+    /// Of its cells near the plane, about the anchor of the columns, with the errors that are known or were found out.
+    pub(crate) sum: Moments,
     /// What its cells are of.
     pub(crate) of: Of,
-    /// From where it was seen; empty where that does not matter.
-    pub(crate) seen: Vec<Sighting>,
+    /// From where it was seen, where that matters.
+    pub(crate) seen: Option<Box<Seen>>,
+}
+
+/// From where the points of a column were seen.
+#[derive(Debug, Clone)]
+pub(crate) struct Seen {
+    pub(crate) from: Vec<Sighting>,
     pub(crate) shared: SharedErrors,
 }
 
@@ -64,11 +72,22 @@ pub(crate) enum Of {
 /// In rising order of their places.
 pub(crate) struct Columns {
     pub(crate) axis: usize,
+    /// What the sums are relative to.
+    pub(crate) anchor: [f64; 3],
     pub(crate) all: Vec<Column>,
     /// For each column those after it along its two directions.
     pub(crate) after: Vec<[Option<u32>; 2]>,
     /// And those before it.
     pub(crate) before: Vec<[Option<u32>; 2]>,
+}
+
+/// What the columns of a plane are made from.
+struct Building<'a> {
+    owned: &'a Owned<'a>,
+    plane: Option<PlaneId>,
+    level: Option<&'a NoiseLevel>,
+    axis: usize,
+    anchor: [f64; 3],
 }
 
 impl Owned<'_> {
@@ -81,100 +100,96 @@ impl Owned<'_> {
         level: Option<&NoiseLevel>,
     ) -> Columns {
         let axis = main_axis(near.normal);
-        let size = self.grid.cell_size();
-        let mut keys: Vec<VoxelKey> = Vec::with_capacity(3 * of.len());
-        for node in of {
-            let Some(cell) = self.nodes.dense.cells().get(*node as usize).and_then(|id| self.grid.get(*id))
-            else {
-                continue;
-            };
-            let stats = cell.stats();
-            let noise = match level {
-                Some(level) => level.covariance(&self.errors, &stats, self.errors.seen(cell.id().index())),
-                None => mean_noise(&stats),
-            };
-            let variance = noise.quadratic_form(near.normal.to_array());
-            let reach = reach(variance, size);
-            for step in -reach..=reach {
-                let mut key = cell.key();
-                key[axis] = key[axis].saturating_add(step);
-                keys.push(key);
-            }
+        let building = Building { owned: self, plane, level, axis, anchor: near.centroid.to_array() };
+        let heights = building.heights(of, near.normal);
+        let mut all: Vec<Column> = Vec::with_capacity(heights.len());
+        all.extend(
+            heights.iter().filter_map(|(place, heights)| building.column(*place, heights.clone(), level)),
+        );
+        let mut columns =
+            Columns { axis, anchor: building.anchor, all, after: Vec::new(), before: Vec::new() };
+        let rim: Vec<Column> = heights
+            .iter()
+            .flat_map(|(place, heights)| beside(*place).map(|beside| (beside, heights.clone())))
+            .filter(|(beside, _)| columns.find(*beside).is_none())
+            .filter_map(|(beside, heights)| building.column(beside, heights, None))
+            .map(|column| Column { of: Of::Rim, ..column })
+            .collect();
+        if !rim.is_empty() {
+            columns.all.extend(rim);
+            columns.all.sort_by_key(|column| column.place);
+            columns.all.dedup_by_key(|column| column.place);
         }
-        let place = |key: &VoxelKey| [key[(axis + 1) % 3], key[(axis + 2) % 3]];
-        keys.sort_unstable_by_key(|key| (place(key), key[axis]));
-        keys.dedup();
-        let columns = keys
-            .chunk_by(|a, b| place(a) == place(b))
-            .filter_map(|keys| self.column(plane, place(keys.first()?), keys, level))
-            .collect();
-        let mut columns = Columns { axis, all: columns, after: Vec::new(), before: Vec::new() };
-        let rim: Vec<Column> = keys
-            .chunk_by(|a, b| place(a) == place(b))
-            .flat_map(|keys| self.rim(plane, axis, keys, &columns))
-            .collect();
-        columns.all.extend(rim);
-        columns.all.sort_by_key(|column| column.place);
-        columns.all.dedup_by_key(|column| column.place);
         columns.connect();
         if level.is_some() {
             columns.take_noise_from_around(near);
         }
         columns
     }
+}
 
-    /// What there is beside the column of these keys, at its height, where no column is.
-    fn rim(&self, plane: Option<PlaneId>, axis: usize, keys: &[VoxelKey], columns: &Columns) -> Vec<Column> {
-        let mut rim = Vec::new();
-        for (side, step) in [(1, -1), (1, 1), (2, -1), (2, 1)] {
-            let e = (axis + side) % 3;
-            let beside: Vec<VoxelKey> = keys
-                .iter()
-                .map(|key| {
-                    let mut key = *key;
-                    key[e] = key[e].saturating_add(step);
-                    key
-                })
-                .collect();
-            let Some(place) = beside.first().map(|key| [key[(axis + 1) % 3], key[(axis + 2) % 3]]) else {
-                continue;
+impl Building<'_> {
+    /// For each place with cells of the plane, in order, the heights at which its points may be.
+    fn heights(&self, of: &[u32], normal: DVec3) -> Vec<([i32; 2], RangeInclusive<i32>)> {
+        let Owned { grid, nodes, errors, .. } = self.owned;
+        let size = grid.cell_size();
+        let cells = of.iter().filter_map(|node| {
+            let (stats, id) = (nodes.stats.get(*node as usize)?, *nodes.dense.cells().get(*node as usize)?);
+            let noise = match self.level {
+                Some(level) => level.covariance(errors, stats, errors.seen(id.index())),
+                None => mean_noise(stats.moments()),
             };
-            if columns.find(place).is_none() {
-                rim.extend(
-                    self.column(plane, place, &beside, None).map(|column| Column { of: Of::Rim, ..column }),
-                );
+            let reach = reach(noise.quadratic_form(normal.to_array()), size);
+            let key = grid.get(id)?.key();
+            let height = key[self.axis];
+            Some((place_of(key, self.axis), height.saturating_sub(reach)..=height.saturating_add(reach)))
+        });
+        let mut cells: Vec<_> = cells.collect();
+        cells.sort_unstable_by_key(|(place, heights)| (*place, *heights.start()));
+        cells.dedup_by(|next, first| {
+            let same = next.0 == first.0;
+            if same {
+                first.1 = *first.1.start()..=*first.1.end().max(next.1.end());
             }
-        }
-        rim
+            same
+        });
+        cells
     }
 
     fn column(
         &self,
-        plane: Option<PlaneId>,
         place: [i32; 2],
-        keys: &[VoxelKey],
+        heights: RangeInclusive<i32>,
         level: Option<&NoiseLevel>,
     ) -> Option<Column> {
+        let Owned { grid, plane_of_cell, errors, .. } = self.owned;
         let mut of = Of::Plane;
-        let mut sum: Option<Stats> = None;
+        let mut sum = Stats::new(self.anchor);
         let mut seen: Vec<Sighting> = Vec::new();
-        for cell in keys.iter().filter_map(|key| self.grid.find(*key)) {
+        for height in heights {
+            let mut key = [height; 3];
+            key[(self.axis + 1) % 3] = place[0];
+            key[(self.axis + 2) % 3] = place[1];
+            let Some(cell) = grid.find(key) else { continue };
             let index = cell.id().index();
-            if self.plane_of_cell.get(index).copied().flatten().is_some_and(|other| Some(other) != plane) {
+            if plane_of_cell.get(index).copied().flatten().is_some_and(|other| Some(other) != self.plane) {
                 of = Of::Others;
             }
-            sum.get_or_insert(Stats::new(cell.centre())).merge(&cell.stats());
-            seen.extend(self.errors.seen(index));
+            sum.merge(&cell.stats());
+            seen.extend(errors.seen(index));
         }
-        let sum = sum?;
-        let seen = merged(seen);
+        if sum.count() == 0 {
+            return None;
+        }
+        let seen = (!seen.is_empty()).then(|| Seen::of(merged(seen), &sum, errors.views)).map(Box::new);
         let sum = match level {
-            Some(level) => sum.with_noise(level.covariance(&self.errors, &sum, &seen) * sum.count() as f64),
+            Some(level) => {
+                let from = seen.as_ref().map_or(&[][..], |seen| &seen.from);
+                sum.with_noise(level.covariance(errors, &sum, from) * sum.count() as f64)
+            }
             None => sum,
         };
-        let mut column = Column { place, sum, of, seen, shared: SharedErrors::NONE };
-        column.shared = SharedErrors::of(&column, self.errors.views);
-        Some(column)
+        Some(Column { place, sum: *sum.moments(), of, seen })
     }
 }
 
@@ -207,7 +222,7 @@ impl Columns {
             {
                 let column = &mut self.all[at];
                 let level = variance_along(&column.sum, near_normal);
-                column.sum = column.sum.with_noise(column.sum.moments().noise() * (variance / level));
+                column.sum = column.sum.with_noise(column.sum.noise() * (variance / level));
             }
         }
     }
@@ -232,16 +247,19 @@ impl Columns {
         self.all.iter().zip(counts).filter(|(_, counts)| **counts).map(|(column, _)| column)
     }
 
-    /// The plane of least variance through the columns that count.
-    pub(crate) fn fit(&self, counts: &[bool]) -> Option<CovariantPlane> {
-        CovariantPlane::of_cells(self.counted(counts).map(|column| &column.sum)).ok()?
+    /// The plane of least variance through the columns that count, near one with this normal.
+    pub(crate) fn fit(&self, counts: &[bool], normal: DVec3) -> Option<CovariantPlane> {
+        let sums = self.counted(counts).map(|column| &column.sum);
+        CovariantPlane::near(self.anchor, sums, normal.to_array()).ok()?
     }
 
     /// What flat columns off the borders of the plane tell of the noise.
     pub(crate) fn residuals(&self, near: &Near, errors: &Errors, residuals: &mut Residuals) {
         let counts = self.near(near, errors.floor);
         for column in self.counted(&counts) {
-            residuals.push(errors, &column.seen, &column.sum, near.normal.into());
+            let from = column.seen.as_ref().map_or(&[][..], |seen| &seen.from);
+            let place = Stats::from_moments(self.anchor, column.sum);
+            residuals.push(errors, from, &place, near.normal.into());
         }
     }
 
@@ -253,16 +271,13 @@ impl Columns {
 
     /// The place of a voxel.
     pub(crate) fn place(&self, key: VoxelKey) -> [i32; 2] {
-        [key[(self.axis + 1) % 3], key[(self.axis + 2) % 3]]
+        place_of(key, self.axis)
     }
 
     /// The variance of the means of columns along an axis, each counting by its points.
     pub(crate) fn spread_along(&self, counts: &[bool], axis: [f64; 3]) -> f64 {
         let axis = DVec3::from(axis);
-        let places = || {
-            self.counted(counts)
-                .filter_map(|c| Some((c.sum.count() as f64, axis.dot(DVec3::from(c.sum.mean()?)))))
-        };
+        let places = || self.counted(counts).map(|c| (c.sum.count() as f64, axis.dot(c.mean())));
         let points: f64 = places().map(|(points, _)| points).sum();
         let mean = places().map(|(points, at)| points * at).sum::<f64>() / points;
         places().map(|(points, at)| points * (at - mean).powi(2)).sum::<f64>() / points
@@ -270,9 +285,15 @@ impl Columns {
 }
 
 impl Column {
+    /// Of its points, from the anchor of the columns.
+    pub(crate) fn mean(&self) -> DVec3 {
+        DVec3::from(self.sum.sum()) / self.sum.weight()
+    }
+
     /// The mean covariance of the error of a point.
     pub(crate) fn noise_of_points(&self) -> SymmetricMatrix3 {
-        mean_noise(&self.sum) + self.shared.of_points
+        let shared = self.seen.as_ref().map_or(SymmetricMatrix3::ZERO, |seen| seen.shared.of_points);
+        mean_noise(&self.sum) + shared
     }
 }
 
@@ -281,17 +302,27 @@ pub(crate) fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
     (-1..=1).flat_map(move |x: i32| (-1..=1).map(move |y: i32| [a.saturating_add(x), b.saturating_add(y)]))
 }
 
+/// The four places at its sides.
+fn beside([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
+    let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]];
+    beside.into_iter().map(move |[x, y]: [i32; 2]| [a.saturating_add(x), b.saturating_add(y)])
+}
+
+fn place_of(key: VoxelKey, axis: usize) -> [i32; 2] {
+    [key[(axis + 1) % 3], key[(axis + 2) % 3]]
+}
+
 /// The axis that the normal is nearest to.
 fn main_axis(normal: DVec3) -> usize {
     normal.abs().max_position()
 }
 
-fn mean_noise(cell: &Stats) -> SymmetricMatrix3 {
-    cell.moments().noise() * (1.0 / cell.count().max(1) as f64)
+fn mean_noise(cell: &Moments) -> SymmetricMatrix3 {
+    cell.noise() * (1.0 / cell.count().max(1) as f64)
 }
 
-pub(crate) fn variance_along(cell: &Stats, direction: DVec3) -> f64 {
-    mean_noise(cell).quadratic_form(direction.to_array())
+pub(crate) fn variance_along(cell: &Moments, direction: DVec3) -> f64 {
+    cell.noise().quadratic_form(direction.to_array()) / cell.count().max(1) as f64
 }
 
 /// Voxels that errors may carry a point of this variance to.

@@ -50,8 +50,8 @@ impl Columns {
         let sides =
             |at: usize| [1, 2].into_iter().zip(self.after[at]).filter_map(|(s, b)| Some((s, b? as usize)));
         let PlaneFit { centroid, normal, axes, .. } = plane.fit;
-        let (centroid, normal, [e1, e2]) =
-            (DVec3::from(centroid), DVec3::from(normal), axes.map(DVec3::from));
+        let (normal, [e1, e2]) = (DVec3::from(normal), axes.map(DVec3::from));
+        let centroid = DVec3::from(centroid) - DVec3::from(self.anchor);
         (0..self.all.len())
             .flat_map(move |at| sides(at).map(move |(side, after)| (at, side, after)))
             .filter_map(move |(at, side, after)| {
@@ -73,7 +73,7 @@ impl Columns {
                 };
                 let across = (self.axis + side) % 3;
                 // The middle of the face, on the plane.
-                let mut middle = DVec3::from(inner.sum.mean()?) - centroid;
+                let mut middle = inner.mean() - centroid;
                 let half = 0.5 * sign * size;
                 middle[across] += half;
                 middle[self.axis] -= half * normal[across] / normal[self.axis];

@@ -1,7 +1,7 @@
 //! The level of noise that residuals show, where no standard errors are given.
 
 use glam::DVec3;
-use terrace_stats::{Stats, SymmetricMatrix3};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 
 use super::Errors;
 use super::sightings::Sighting;
@@ -61,7 +61,7 @@ pub(crate) struct Residuals {
 impl Residuals {
     /// The scatter of the points of a place along a normal.
     pub(crate) fn push(&mut self, errors: &Errors, seen: &[Sighting], place: &Stats, normal: [f64; 3]) {
-        let Some(variance) = scatter_along(place, normal) else { return };
+        let Some(variance) = scatter_along(place.moments(), normal) else { return };
         let mut sums = [0.0; 3];
         for (share, ray) in errors.rays(place, seen) {
             let cosine = ray.normalize_or_zero().dot(DVec3::from(normal));
@@ -73,7 +73,7 @@ impl Residuals {
 }
 
 /// An estimate of the variance of the points along a normal whose median is right; `None` for few points.
-pub(crate) fn scatter_along(place: &Stats, normal: [f64; 3]) -> Option<f64> {
+pub(crate) fn scatter_along(place: &Moments, normal: [f64; 3]) -> Option<f64> {
     let scatter = place.covariance().filter(|_| place.count() >= FEWEST)?.quadratic_form(normal).max(0.0);
     let freedom = place.count() as f64 - 1.0;
     // The median of χ² over its degrees of freedom (Wilson and Hilferty 1931).

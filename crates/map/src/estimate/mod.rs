@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use terrace_grid::{Assignment, VoxelGrid};
 use terrace_normals::{CovariantPlane, FitTo, estimate as min_max};
-use terrace_stats::SymmetricMatrix3;
+use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::{Plane, PlaneId};
 
 use crate::mapper::View;
@@ -31,6 +31,8 @@ const CORE_ROUNDS: usize = 10;
 const ROUGHEST: f64 = 3.0;
 /// The share of the points' variance across a plane that lies between columns, at least, for their min-max to be told.
 const CENTRES: f64 = 0.6;
+/// What lies on a plane is looked for near the plane before, so many times.
+const SUPPORT_ROUNDS: usize = 2;
 /// Residuals are larger than the errors say from so many of their own standard errors on.
 const SIGNIFICANT: f64 = 3.0;
 
@@ -233,21 +235,24 @@ impl Owned<'_> {
     fn estimate(&self, plane: PlaneId, of: &[u32], near: &Near) -> Option<Found> {
         let columns = self.columns(Some(plane), of, near, self.errors.level.as_ref());
         let floor = self.errors.floor;
-        let fit = |counts: &[bool]| {
-            let mut found = columns.fit(counts)?;
+        let fit = |counts: &[bool], near: &Near| {
+            let mut found = columns.fit(counts, near.normal)?;
             columns.take_back_cuts(counts, &mut found, self.grid.cell_size());
             Some((Near::of(&found), found))
         };
-        let (mut near, _) = fit(&columns.near(near, floor))?;
+        let (mut near, _) = fit(&columns.near(near, floor), near)?;
         for _ in 0..CORE_ROUNDS {
             let Some(core) = columns.core(&near, floor) else { break };
-            let Some((better, _)) = fit(&core) else { break };
+            let Some((better, _)) = fit(&core, &near) else { break };
             near = better;
         }
-        let mut estimate = None;
-        for _ in 0..2 {
+        let mut estimate: Option<(CovariantPlane, Vec<bool>)> = None;
+        for _ in 0..SUPPORT_ROUNDS {
             let counts = columns.support(&near, floor);
-            let (better, found) = fit(&counts)?;
+            if estimate.as_ref().is_some_and(|(_, before)| *before == counts) {
+                break;
+            }
+            let (better, found) = fit(&counts, &near)?;
             near = better;
             estimate = Some((found, counts));
         }
@@ -272,7 +277,9 @@ impl Owned<'_> {
         let [(reduced_chi_squared, _), _] = residuals;
         let supporting = columns.counted(counts);
         // Only centres are moved: across a strip of one row of columns, they say nothing of what moves the plane.
-        let min_max = min_max(supporting.clone().map(|column| &column.sum), FitTo::Points)
+        let sums: Vec<Stats> =
+            supporting.clone().map(|column| Stats::from_moments(columns.anchor, column.sum)).collect();
+        let min_max = min_max(&sums, FitTo::Points)
             .ok()
             .filter(|_| columns.spread_along(counts, plane.fit.axes[1]) >= CENTRES * plane.fit.variances[1]);
         Found {
@@ -280,7 +287,7 @@ impl Owned<'_> {
             reduced_chi_squared,
             growth,
             min_max: min_max.map(|found| found.uncertainty),
-            columns: supporting.count(),
+            columns: sums.len(),
         }
     }
 }

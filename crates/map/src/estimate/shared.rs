@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use terrace_normals::{CovariantPlane, PlaneFit};
-use terrace_stats::SymmetricMatrix3;
+use terrace_stats::{Stats, SymmetricMatrix3};
 
-use super::columns::{Column, Columns};
+use super::columns::{Column, Columns, Seen};
+use super::sightings::Sighting;
 use crate::mapper::View;
 
 /// What shared errors do to the points of a column.
@@ -17,25 +18,26 @@ pub(crate) struct SharedErrors {
 }
 
 impl SharedErrors {
-    pub(crate) const NONE: Self = Self { of_mean: SymmetricMatrix3::ZERO, of_points: SymmetricMatrix3::ZERO };
+    const NONE: Self = Self { of_mean: SymmetricMatrix3::ZERO, of_points: SymmetricMatrix3::ZERO };
+}
 
-    /// Of a column: scans are wrong independently of each other.
-    pub(crate) fn of(column: &Column, views: &[View]) -> Self {
-        let (Some(mean), count) = (column.sum.mean(), column.sum.count() as f64) else { return Self::NONE };
-        let mut shared = Self::NONE;
-        for sighting in &column.seen {
+impl Seen {
+    /// The points of a place, some from each scan. Scans are wrong independently of each other.
+    pub(crate) fn of(from: Vec<Sighting>, place: &Stats, views: &[View]) -> Self {
+        let mut shared = SharedErrors::NONE;
+        for sighting in &from {
             let Some(view) = views.get(sighting.view as usize) else { continue };
             let covariance = view
                 .pose
                 .zip(view.sensor)
-                .and_then(|(pose, sensor)| pose.at(sensor, mean))
-                .map(|c| c.entries());
-            let Some(covariance) = covariance.map(SymmetricMatrix3) else { continue };
-            let share = f64::from(sighting.points) / count;
+                .and_then(|(pose, sensor)| pose.at(sensor, place.mean()?))
+                .map(|covariance| SymmetricMatrix3(covariance.entries()));
+            let Some(covariance) = covariance else { continue };
+            let share = f64::from(sighting.points) / place.count() as f64;
             shared.of_mean += covariance * (share * share);
             shared.of_points += covariance * share;
         }
-        shared
+        Self { from, shared }
     }
 }
 
@@ -62,14 +64,14 @@ impl Columns {
         let mut pulls = vec![[[0.0; 6]; 3]; views.len()];
         for (column, _) in self.all.iter().zip(counts).filter(|(_, counts)| **counts) {
             let weight = plane.weight(&column.sum);
-            for sighting in &column.seen {
+            for sighting in column.seen.iter().flat_map(|seen| &seen.from) {
                 let place = sighting.view as usize;
                 let (Some(sensor), Some(pull)) =
                     (views.get(place).and_then(|view| view.sensor), pulls.get_mut(place))
                 else {
                     continue;
                 };
-                let Some(of_column) = pull_of(column, &plane.fit, sensor.into()) else { continue };
+                let of_column = pull_of(column, self.anchor.into(), &plane.fit, sensor.into());
                 let points = weight * f64::from(sighting.points);
                 for (row, more) in pull.iter_mut().zip(of_column) {
                     for (entry, more) in row.iter_mut().zip(more) {
@@ -82,7 +84,7 @@ impl Columns {
         // By scan, for displacements along each axis of the world.
         let mut carried = vec![[DVec3::ZERO; 3]; views.len()];
         for face in self.faces(counts, plane, size) {
-            for sighting in &face.inner.seen {
+            for sighting in face.inner.seen.iter().flat_map(|seen| &seen.from) {
                 let part = f64::from(sighting.points) / face.inner.sum.count() as f64;
                 if let Some(of_scan) = carried.get_mut(sighting.view as usize) {
                     of_scan[face.across] += face.pull_of(part);
@@ -121,9 +123,9 @@ fn of_entries(entry: impl Fn(usize, usize) -> f64) -> SymmetricMatrix3 {
 }
 
 /// The mean pull of a point of the column by (δt, δω).
-fn pull_of(column: &Column, fit: &PlaneFit, sensor: DVec3) -> Option<[[f64; 6]; 3]> {
-    let mean = DVec3::from(column.sum.mean()?);
-    let scatter = column.sum.covariance()?.rows().map(DVec3::from);
+fn pull_of(column: &Column, anchor: DVec3, fit: &PlaneFit, sensor: DVec3) -> [[f64; 6]; 3] {
+    let mean = anchor + column.mean();
+    let scatter = column.sum.covariance().unwrap_or_default().rows().map(DVec3::from);
     let normal = DVec3::from(fit.normal);
     let turn = (mean - sensor).cross(normal);
     let arms = fit.axes.map(|axis| {
@@ -134,7 +136,7 @@ fn pull_of(column: &Column, fit: &PlaneFit, sensor: DVec3) -> Option<[[f64; 6]; 
         row(normal * -at, turn * -at - spread.cross(normal))
     });
     let [first, second] = arms;
-    Some([first, second, row(normal, turn)])
+    [first, second, row(normal, turn)]
 }
 
 fn row(shift: DVec3, turn: DVec3) -> [f64; 6] {

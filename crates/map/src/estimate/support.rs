@@ -48,7 +48,16 @@ impl Columns {
 
     /// `None` for columns that are not of the plane alone.
     fn deviations(&self, near: &Near, floor: f64) -> Vec<Option<Deviation>> {
-        self.all.iter().map(|c| c.deviation(near, floor).filter(|_| c.of == Of::Plane)).collect()
+        let through = self.through(near);
+        let of = |column: &Column| {
+            if column.of == Of::Plane { column.deviation(through, near.normal, floor) } else { None }
+        };
+        self.all.iter().map(of).collect()
+    }
+
+    /// A place on a plane, from the anchor.
+    fn through(&self, near: &Near) -> DVec3 {
+        near.centroid - DVec3::from(self.anchor)
     }
 
     /// Those for which it holds, and for all beside them.
@@ -71,9 +80,10 @@ impl Columns {
     /// of the means of columns, which also tell of errors that neighbouring points share.
     pub(crate) fn chi_squared(&self, counts: &[bool], plane: &CovariantPlane, floor: f64) -> [(f64, f64); 2] {
         let near = Near::of(plane);
+        let through = self.through(&near);
         let (mut of_points, mut of_means) = ((0.0, -3.0), (0.0, -3.0));
         for (at, column) in self.all.iter().enumerate().filter(|(at, _)| counts[*at]) {
-            let Some(deviation) = column.deviation(&near, floor) else { continue };
+            let Some(deviation) = column.deviation(through, near.normal, floor) else { continue };
             let count = column.sum.count() as f64;
             of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
             // Errors carry points from column to column and with them the mean, which is made up for by the columns on the
@@ -123,14 +133,20 @@ impl Usual {
 }
 
 impl Column {
-    fn deviation(&self, near: &Near, floor: f64) -> Option<Deviation> {
-        let normal = near.normal.to_array();
-        let off = near.normal.dot(DVec3::from(self.sum.mean()?) - near.centroid).powi(2);
-        let scatter = self.sum.covariance()?.quadratic_form(normal).max(0.0);
-        let own = variance_along(&self.sum, near.normal);
+    /// From a plane through a place, which is given from the anchor of the columns.
+    fn deviation(&self, through: DVec3, normal: DVec3, floor: f64) -> Option<Deviation> {
+        let [x, y, z] = normal.to_array();
+        let weight = self.sum.weight();
+        let along = DVec3::from(self.sum.sum()).dot(normal) / weight;
+        let off = (along - through.dot(normal)).powi(2);
+        let scatter = (self.sum.second().quadratic_form([x, y, z]) / weight - along * along).max(0.0);
+        let own = variance_along(&self.sum, normal);
         let floor = floor * floor;
-        let of_point = own + self.shared.of_points.quadratic_form(normal) + floor;
-        let of_mean = own / self.sum.count() as f64 + self.shared.of_mean.quadratic_form(normal) + floor;
+        let (mut of_point, mut of_mean) = (own + floor, own / self.sum.count() as f64 + floor);
+        if let Some(seen) = &self.seen {
+            of_point += seen.shared.of_points.quadratic_form([x, y, z]);
+            of_mean += seen.shared.of_mean.quadratic_form([x, y, z]);
+        }
         (of_mean > 0.0).then(|| Deviation {
             off: off / of_point,
             mean: off / of_mean,
@@ -142,6 +158,6 @@ impl Column {
 /// 0 of nothing.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
