@@ -2,7 +2,7 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_extent::{ExtentError, Footprint, OutlineOptions, PlaneFrame};
+use terrace_extent::{ExtentError, Footprint, OutlineOptions, PlaneFrame, suggested_gap};
 use terrace_types::Plane;
 
 /// A shape: whether it holds a point, its area in square metres, and how many holes it has.
@@ -45,7 +45,7 @@ fn sample(shape: &Shape, spacing: f64, random: bool, turn: f64, rng: &mut ChaCha
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let ratio: f64 = std::env::args().nth(1).map_or(Ok(1.0), |ratio| ratio.parse())?;
+    let ratio: f64 = std::env::args().nth(1).map_or(Ok(1.5), |ratio| ratio.parse())?;
     let frame = PlaneFrame::new(&Plane::through([0.0; 3], [0.0, 0.0, 1.0])?, [0.0; 3])?;
     println!("error of the area in %, mean and worst of 8 turns; border moved outwards in pixels; vertices; wrong holes");
     for shape in &SHAPES {
@@ -58,11 +58,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     for point in sample(shape, spacing, random, f64::from(turn) * 0.2, &mut rng) {
                         footprint.add(point)?;
                     }
-                    let gap = spacing * if random { 3.0 } else { 1.5 };
                     let options = OutlineOptions {
                         min_hole_area: 25.0 * spacing * spacing,
                         min_area: 25.0 * spacing * spacing,
-                        ..OutlineOptions::closing(gap.max(resolution))
+                        ..OutlineOptions::closing(suggested_gap(spacing))
                     };
                     let polygons = footprint.outline(&options)?;
                     let area: f64 = polygons.iter().map(|p| p.area()).sum();

@@ -50,16 +50,17 @@ pub struct Footprint {
     pixels: Pixels,
 }
 
-/// The pixel size, in metres, for points with this mean spacing, in metres: one point on each pixel.
+/// The pixel size, in metres, for points with this mean spacing, in metres: one and a half spacings, so that most pixels
+/// have a point and borders come out straight.
 ///
-/// Much smaller pixels only cost time, for the gaps between them are closed anyway; the border then lies up to half a
-/// spacing too far inside. Larger ones lose detail.
+/// Where pixels are smaller than the spacing, the border lies inside by up to half of the difference, for it runs along
+/// the outermost points. Larger ones lose detail.
 pub fn suggested_resolution(spacing: f64) -> f64 {
-    spacing
+    1.5 * spacing
 }
 
 /// The gap to close, in metres, for points with this mean spacing, in metres: three spacings, where points that fall at
-/// random leave few holes. Points on a regular grid need 1.5.
+/// random leave few holes.
 pub fn suggested_gap(spacing: f64) -> f64 {
     3.0 * spacing
 }

@@ -28,8 +28,8 @@ pub struct OutlineOptions {
     pub min_hole_area: f64,
     /// Polygons smaller than this, in square metres, are left out.
     pub min_area: f64,
-    /// How far the border may be moved to make it straight, in metres. `None` is three quarters of a pixel, which makes
-    /// straight what was straight before pixels were made of it.
+    /// How far the border may be moved to make it straight, in metres. `None` is one pixel, which makes straight
+    /// what was straight before pixels were made of it.
     pub tolerance: Option<f64>,
 }
 
@@ -48,7 +48,7 @@ impl Footprint {
     /// than 128 pixels.
     pub fn outline(&self, options: &OutlineOptions) -> Result<Vec<Polygon>, ExtentError> {
         let pixel = self.resolution();
-        let tolerance = options.tolerance.unwrap_or(0.75 * pixel);
+        let tolerance = options.tolerance.unwrap_or(pixel);
         for (name, value) in [
             ("gap", options.gap),
             ("min_hole_area", options.min_hole_area),
@@ -63,7 +63,9 @@ impl Footprint {
             return Err(ExtentError::GapTooWide { gap: options.gap, resolution: pixel, most: WIDEST_GAP });
         }
         let seen = Runs::of(self.pixels().keys().copied());
-        let covered = trimmed(seen.closed(options.gap / pixel / 2.0), self.pixels());
+        // A disc of this radius, centred on a pixel, does not fit between pixels that far apart.
+        let radius = f64::midpoint(options.gap / pixel, 1.0);
+        let covered = trimmed(seen.closed(radius), self.pixels());
         let min_hole = options.min_hole_area / pixel / pixel;
         let traced = traced(&covered)
             .into_iter()
