@@ -20,7 +20,7 @@ impl Mesh {
     /// Positions are in single precision, from an origin in whole metres near the middle of the mesh; the translation of
     /// the node `planes` takes them to the world, so that large coordinates lose nothing. Its parent, `terrace`, turns the
     /// world's z up into the y up of glTF. Colours are those of the vertices (`COLOR_0`), brought to the linear scale that
-    /// glTF asks for; both sides of a triangle are visible. A mesh without triangles is a scene without nodes.
+    /// glTF asks for; both sides of a triangle are visible. A mesh without triangles is the node `terrace` alone.
     ///
     /// # Errors
     /// What `out` answers, and [`io::ErrorKind::InvalidInput`] when the mesh takes more than the 4 GiB the format can hold.
@@ -49,7 +49,7 @@ impl Mesh {
         let asset = json!({"version": "2.0", "generator": "terrace"});
         // Accessors of nothing are not allowed.
         let Some([low, high]) = bounds(&self.positions).filter(|_| !self.triangles.is_empty()) else {
-            return (json!({"asset": asset, "scene": 0, "scenes": [{}]}), Vec::new());
+            return (json!({"asset": asset, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "terrace"}]}), Vec::new());
         };
         let origin = [0, 1, 2].map(|i| f64::midpoint(low[i], high[i]).round());
         let local = |p: [f64; 3]| [0, 1, 2].map(|i| single(p[i] - origin[i]));
