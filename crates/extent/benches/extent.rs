@@ -30,7 +30,9 @@ fn extent(c: &mut Criterion) {
     let points = points(&frame);
     let add = || {
         let mut footprint = Footprint::new(frame, 0.03).unwrap();
-        points.iter().for_each(|point| footprint.add(black_box(*point)).unwrap());
+        for point in &points {
+            footprint.add(black_box(*point)).unwrap();
+        }
         footprint
     };
     let (footprint, options) = (add(), OutlineOptions::closing(0.06));
@@ -40,7 +42,11 @@ fn extent(c: &mut Criterion) {
     group.bench_function("add", |b| b.iter(add));
     group.bench_function("outline", |b| b.iter(|| footprint.outline(black_box(&options))));
     group.bench_function("triangles", |b| {
-        b.iter_batched(Mesh::new, |mut mesh| mesh.add(&extent, [9, 9, 9]).map(|()| mesh), BatchSize::SmallInput);
+        b.iter_batched(
+            Mesh::new,
+            |mut mesh| mesh.add(&extent, [9, 9, 9]).map(|()| mesh),
+            BatchSize::SmallInput,
+        );
     });
     group.finish();
 }

@@ -2,7 +2,7 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_extent::{ExtentError, Footprint, OutlineOptions, PlaneFrame, suggested_gap};
+use terrace_extent::{ExtentError, Footprint, OutlineOptions, PlaneFrame, Polygon};
 use terrace_types::Plane;
 
 /// A shape: whether it holds a point, its area in square metres, and how many holes it has.
@@ -26,11 +26,13 @@ const SHAPES: [Shape; 4] = [
 fn sample(shape: &Shape, spacing: f64, random: bool, turn: f64, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
     let (sin, cos) = turn.sin_cos();
     let steps = (5.0 / spacing).ceil();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds")]
+    let side = steps as u32;
     let mut points = Vec::new();
     let offset = [rng.random::<f64>(), rng.random::<f64>()];
     let at = |k: f64, shift: f64| (k + shift) * spacing - 2.5;
-    for i in 0..steps as u32 {
-        for j in 0..steps as u32 {
+    for i in 0..side {
+        for j in 0..side {
             let [x, y] = if random {
                 [rng.random::<f64>() * steps * spacing - 2.5, rng.random::<f64>() * steps * spacing - 2.5]
             } else {
@@ -47,7 +49,9 @@ fn sample(shape: &Shape, spacing: f64, random: bool, turn: f64, rng: &mut ChaCha
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ratio: f64 = std::env::args().nth(1).map_or(Ok(1.5), |ratio| ratio.parse())?;
     let frame = PlaneFrame::new(&Plane::through([0.0; 3], [0.0, 0.0, 1.0])?, [0.0; 3])?;
-    println!("error of the area in %, mean and worst of 8 turns; border moved outwards in pixels; vertices; wrong holes");
+    println!(
+        "error of the area in %, mean and worst of 8 turns; border moved outwards in pixels; vertices; wrong holes"
+    );
     for shape in &SHAPES {
         for random in [false, true] {
             for spacing in [0.01, 0.02, 0.05] {
@@ -58,22 +62,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     for point in sample(shape, spacing, random, f64::from(turn) * 0.2, &mut rng) {
                         footprint.add(point)?;
                     }
-                    let options = OutlineOptions {
-                        min_hole_area: 25.0 * spacing * spacing,
-                        min_area: 25.0 * spacing * spacing,
-                        ..OutlineOptions::closing(suggested_gap(spacing))
-                    };
+                    let options = OutlineOptions::for_spacing(spacing);
                     let polygons = footprint.outline(&options)?;
-                    let area: f64 = polygons.iter().map(|p| p.area()).sum();
-                    let border: f64 = polygons.iter().map(|p| p.perimeter()).sum();
+                    let area: f64 = polygons.iter().map(Polygon::area).sum();
+                    let border: f64 = polygons.iter().map(Polygon::perimeter).sum();
                     let holes: usize = polygons.iter().map(|p| p.holes().len()).sum();
-                    let vertices = polygons.iter().flat_map(|p| p.rings()).flatten().count();
+                    let vertices = polygons.iter().flat_map(Polygon::rings).flatten().count();
                     Ok((area, (area - shape.2) / border / resolution, holes, vertices, polygons.len()))
                 };
                 let outlines = (0..8).map(outline).collect::<Result<Vec<_>, _>>()?;
                 let errors: Vec<f64> = outlines.iter().map(|o| (o.0 / shape.2 - 1.0) * 100.0).collect();
                 let mean = errors.iter().sum::<f64>() / 8.0;
-                let worst = errors.iter().fold(0.0_f64, |worst, e| if e.abs() > worst.abs() { *e } else { worst });
+                let worst =
+                    errors.iter().fold(0.0_f64, |worst, e| if e.abs() > worst.abs() { *e } else { worst });
                 let moved = outlines.iter().map(|o| o.1).sum::<f64>() / 8.0;
                 let vertices = outlines.iter().map(|o| o.3).sum::<usize>() / 8;
                 let wrong = outlines.iter().filter(|o| o.2 != shape.3 || o.4 != 1).count();

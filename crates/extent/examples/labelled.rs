@@ -7,7 +7,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
 use terrace_extent::{
-    Footprint, Mesh, OutlineOptions, PlaneExtent, PlaneFrame, suggested_gap, suggested_resolution,
+    Footprint, Mesh, OutlineOptions, PlaneExtent, PlaneFrame, Polygon, suggested_resolution,
 };
 use terrace_types::Plane;
 
@@ -33,14 +33,22 @@ fn plane_of(points: &[[f64; 3]]) -> Result<(Plane, [f64; 3]), Error> {
     let length = |a: &[f64; 3]| a[0].hypot(a[1]).hypot(a[2]);
     let first = arms.clone().max_by(|a, b| length(a).total_cmp(&length(b))).ok_or("no points")?;
     let cross = |b: [f64; 3]| {
-        [first[1] * b[2] - first[2] * b[1], first[2] * b[0] - first[0] * b[2], first[0] * b[1] - first[1] * b[0]]
+        [
+            first[1] * b[2] - first[2] * b[1],
+            first[2] * b[0] - first[0] * b[2],
+            first[0] * b[1] - first[1] * b[0],
+        ]
     };
     let normal = arms.map(cross).max_by(|a, b| length(a).total_cmp(&length(b))).ok_or("no points")?;
     Ok((Plane::through(middle, normal)?, middle))
 }
 
 fn colour(k: usize) -> [u8; 3] {
-    [0.0, 2.1, 4.2].map(|phase| (160.0 + 80.0 * (2.4 * k as f64 + phase).sin()) as u8)
+    [0.0, 2.1, 4.2].map(|phase| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 80 to 240")]
+        let channel = (160.0 + 80.0 * (2.4 * k as f64 + phase).sin()) as u8;
+        channel
+    })
 }
 
 /// All planes below each other in rows, 100 pixels a metre.
@@ -48,7 +56,7 @@ fn svg(out: &mut dyn Write, planes: &[(i32, PlaneExtent)]) -> Result<(), Error> 
     let mut body = String::new();
     let (mut left, mut top, mut height) = (20.0, 40.0, 0.0_f64);
     for (k, (label, extent)) in planes.iter().enumerate() {
-        let points = || extent.polygons().iter().flat_map(|p| p.outer());
+        let points = || extent.polygons().iter().flat_map(Polygon::outer);
         let low = [0, 1].map(|i| points().fold(f64::INFINITY, |low, p| low.min(p[i])));
         let high = [0, 1].map(|i| points().fold(f64::NEG_INFINITY, |high, p| high.max(p[i])));
         if !low[0].is_finite() {
@@ -58,7 +66,7 @@ fn svg(out: &mut dyn Write, planes: &[(i32, PlaneExtent)]) -> Result<(), Error> 
             (left, top, height) = (20.0, top + height + 50.0, 0.0);
         }
         let mut path = String::new();
-        for ring in extent.polygons().iter().flat_map(|p| p.rings()) {
+        for ring in extent.polygons().iter().flat_map(Polygon::rings) {
             for (at, p) in ring.iter().enumerate() {
                 let sign = if at == 0 { 'M' } else { 'L' };
                 let (x, y) = (left + 100.0 * (p[0] - low[0]), top + 100.0 * (high[1] - p[1]));
@@ -91,11 +99,7 @@ fn main() -> Result<(), Error> {
         return Err("labelled points.npy labels.npy spacing folder".into());
     };
     let spacing: f64 = spacing.parse()?;
-    let options = OutlineOptions {
-        min_hole_area: 30.0 * spacing * spacing,
-        min_area: 30.0 * spacing * spacing,
-        ..OutlineOptions::closing(suggested_gap(spacing))
-    };
+    let options = OutlineOptions::for_spacing(spacing);
     let (mut planes, mut mesh) = (Vec::new(), Mesh::new());
     for (k, (label, points)) in read(points, labels)?.into_iter().enumerate() {
         let (plane, middle) = plane_of(&points)?;
@@ -105,7 +109,7 @@ fn main() -> Result<(), Error> {
         }
         let extent = PlaneExtent::of(&footprint, &options)?;
         let holes: usize = extent.polygons().iter().map(|p| p.holes().len()).sum();
-        let vertices = extent.polygons().iter().flat_map(|p| p.rings()).flatten().count();
+        let vertices = extent.polygons().iter().flat_map(Polygon::rings).flatten().count();
         println!(
             "plane {label}: {} points, {} polygons, {holes} holes, {vertices} vertices, {:.3} m²",
             points.len(),
@@ -117,7 +121,8 @@ fn main() -> Result<(), Error> {
     }
     let create = |name: &str| File::create(Path::new(folder).join(name)).map(BufWriter::new);
     svg(&mut create("planes.svg")?, &planes)?;
-    let extents: BTreeMap<i32, &PlaneExtent> = planes.iter().map(|(label, extent)| (*label, extent)).collect();
+    let extents: BTreeMap<i32, &PlaneExtent> =
+        planes.iter().map(|(label, extent)| (*label, extent)).collect();
     serde_json::to_writer(create("planes.json")?, &extents)?;
     mesh.write_ply(&mut create("planes.ply")?)?;
     mesh.write_obj(&mut create("planes.obj")?)?;

@@ -49,7 +49,10 @@ impl Mesh {
         let asset = json!({"version": "2.0", "generator": "terrace"});
         // Accessors of nothing are not allowed.
         let Some([low, high]) = bounds(&self.positions).filter(|_| !self.triangles.is_empty()) else {
-            return (json!({"asset": asset, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "terrace"}]}), Vec::new());
+            return (
+                json!({"asset": asset, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "terrace"}]}),
+                Vec::new(),
+            );
         };
         let origin = [0, 1, 2].map(|i| f64::midpoint(low[i], high[i]).round());
         let local = |p: [f64; 3]| [0, 1, 2].map(|i| single(p[i] - origin[i]));
@@ -107,7 +110,10 @@ impl Mesh {
 
 fn size(bytes: usize) -> io::Result<[u8; 4]> {
     let refused = |_| {
-        io::Error::new(io::ErrorKind::InvalidInput, format!("{bytes} bytes are more than a GLB file can hold"))
+        io::Error::new(
+            io::ErrorKind::InvalidInput,
+            format!("{bytes} bytes are more than a GLB file can hold"),
+        )
     };
     u32::try_from(bytes).map(u32::to_le_bytes).map_err(refused)
 }

@@ -10,7 +10,7 @@ use crate::coverage::trimmed;
 use crate::polygon::signed_area;
 use crate::ring::{midpoints, straightened};
 use crate::runs::Runs;
-use crate::{ExtentError, Footprint, Polygon};
+use crate::{ExtentError, Footprint, Polygon, suggested_gap};
 
 /// Widest gap, in pixels, that can be closed.
 const WIDEST_GAP: u32 = 128;
@@ -22,7 +22,7 @@ const PARTS: f64 = (1_u64 << 20) as f64;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlineOptions {
     /// Gaps up to this width, in metres, are closed: between points, and between parts of a plane. See
-    /// [`suggested_gap`](crate::suggested_gap). Corners that turn inwards are rounded by half as much.
+    /// [`suggested_gap`]. Corners that turn inwards are rounded by half as much.
     pub gap: f64,
     /// Holes smaller than this, in square metres, are filled.
     pub min_hole_area: f64,
@@ -34,6 +34,13 @@ pub struct OutlineOptions {
 }
 
 impl OutlineOptions {
+    /// For points with this mean spacing, in metres: gaps as [`suggested_gap`] has them, holes and polygons of less than
+    /// twenty points, which come about by chance, filled or left out.
+    pub fn for_spacing(spacing: f64) -> Self {
+        let least = 20.0 * spacing * spacing;
+        Self { gap: suggested_gap(spacing), min_hole_area: least, min_area: least, tolerance: None }
+    }
+
     /// Closes gaps of up to `gap` metres and keeps every hole and polygon.
     pub fn closing(gap: f64) -> Self {
         Self { gap, min_hole_area: 0.0, min_area: 0.0, tolerance: None }
@@ -100,7 +107,8 @@ fn traced(pixels: &Runs) -> IntShapes<i32> {
 /// Straightening can make rings cross each other or themselves. What is inside is what they go round once more to the
 /// left than to the right; this also joins polygons when the hole between them was filled.
 fn cleaned(rings: impl Iterator<Item = Vec<[f64; 2]>>) -> IntShapes<i64> {
-    let mut overlay = Overlay::<i64>::new_custom(0, IntOverlayOptions::ogc(), i_overlay::core::solver::Solver::default());
+    let mut overlay =
+        Overlay::<i64>::new_custom(0, IntOverlayOptions::ogc(), i_overlay::core::solver::Solver::default());
     for ring in rings {
         let ring = ring.iter().map(|point| {
             #[expect(clippy::cast_possible_truncation, reason = "below 2^49, for pixels are below 2^28")]

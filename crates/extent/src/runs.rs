@@ -151,7 +151,11 @@ fn intersection(a: &[Run], b: &[Run]) -> Vec<Run> {
         if start < end {
             both.push((start, end));
         }
-        if x.1 < y.1 { a.next() } else { b.next() };
+        if x.1 < y.1 {
+            a.next()
+        } else {
+            b.next()
+        };
     }
     both
 }

@@ -12,6 +12,7 @@ fn pixels(runs: &Runs) -> BTreeSet<[i32; 2]> {
 
 /// By definition: what is in every disc that touches none of the set.
 fn closed(set: &BTreeSet<[i32; 2]>, radius: f64) -> BTreeSet<[i32; 2]> {
+    #[expect(clippy::cast_possible_truncation, reason = "at most five")]
     let reach = radius as i32;
     let disc: Vec<[i32; 2]> = (-reach..=reach)
         .flat_map(|x| (-reach..=reach).map(move |y| [x, y]))

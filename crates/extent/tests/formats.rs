@@ -80,10 +80,8 @@ fn obj() {
         .collect();
     assert_eq!(positions, mesh.positions());
     let (models, _) =
-        tobj::load_obj_buf(&mut bytes.as_slice(), &tobj::LoadOptions::default(), |_| {
-            Ok(Default::default())
-        })
-        .unwrap();
+        tobj::load_obj_buf(&mut bytes.as_slice(), &tobj::LoadOptions::default(), |_| Ok(Default::default()))
+            .unwrap();
     assert_eq!(models.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["plane_1", "plane_2"]);
     let triangles: usize = models.iter().map(|m| m.mesh.indices.len() / 3).sum();
     assert_eq!(triangles, mesh.triangles().len());
