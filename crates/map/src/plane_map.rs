@@ -25,7 +25,7 @@ pub struct ExtractedPlane {
     pub points: u64,
     /// Number of cells.
     pub cells: usize,
-    /// Root mean square distance of the points from the plane, in metres.
+    /// Root mean square distance of all its points from their plane of least squares, in metres.
     pub rms: f64,
     /// The threshold φ at which it was found.
     pub phi: f64,

@@ -46,7 +46,7 @@ impl Mapper {
             && params.assignment == Assignment::Voxel
             && params.weighting == Weighting::Uniform;
         if possible && !nodes.know_errors() {
-            owned.errors.level = owned.level_of_cells();
+            owned.errors.level = owned.level_of_neighbourhoods();
             possible = owned.errors.level.is_some();
         }
         let planes = (0..nodes.dense.len())
@@ -66,7 +66,7 @@ impl Mapper {
 
 impl Owned<'_> {
     /// The level of noise that cells show along their normals.
-    fn level_of_cells(&self) -> Option<NoiseLevel> {
+    fn level_of_neighbourhoods(&self) -> Option<NoiseLevel> {
         let mut residuals = Residuals::default();
         for ((stats, normal), cell) in
             self.nodes.stats.iter().zip(&self.nodes.normals).zip(self.nodes.dense.cells())
@@ -88,7 +88,10 @@ impl Owned<'_> {
         depth: u32,
     ) -> Option<PlaneEstimate> {
         let near = Near { centroid: fitted.fit.centroid.into(), normal: fitted.fit.normal.into() };
-        let columns = self.columns(None, around, &near, self.errors.level.as_ref());
+        let mut columns = self.columns(None, around, &near, self.errors.level.as_ref());
+        if self.errors.level.is_some() {
+            columns.take_noise_from_around(&near);
+        }
         let counts = columns.block(columns.place(key), depth);
         let mut found = columns.fit(&counts, near.normal)?;
         columns.take_back_cuts(&counts, &mut found, self.grid.cell_size());

@@ -69,16 +69,21 @@ pub(crate) enum Of {
     Rim,
 }
 
-/// In rising order of their places.
 pub(crate) struct Columns {
     pub(crate) axis: usize,
     /// What the sums are relative to.
     pub(crate) anchor: [f64; 3],
+    /// Those of the plane in rising order of their places, then the rim.
     pub(crate) all: Vec<Column>,
-    /// For each column those after it along its two directions.
-    pub(crate) after: Vec<[Option<u32>; 2]>,
-    /// And those before it.
-    pub(crate) before: Vec<[Option<u32>; 2]>,
+    /// For each column the neighbours after and before it along its two directions. Those of the rim know none.
+    pub(crate) sides: Vec<Sides>,
+}
+
+/// The places of neighbours in the list of columns.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sides {
+    pub(crate) after: [Option<u32>; 2],
+    pub(crate) before: [Option<u32>; 2],
 }
 
 /// What the columns of a plane are made from.
@@ -88,6 +93,14 @@ struct Building<'a> {
     level: Option<&'a NoiseLevel>,
     axis: usize,
     anchor: [f64; 3],
+}
+
+/// A cell of the plane, and how far beyond it points may be.
+struct Member {
+    place: [i32; 2],
+    height: i32,
+    reach: i32,
+    node: u32,
 }
 
 impl Owned<'_> {
@@ -101,36 +114,20 @@ impl Owned<'_> {
     ) -> Columns {
         let axis = main_axis(near.normal);
         let building = Building { owned: self, plane, level, axis, anchor: near.centroid.to_array() };
-        let heights = building.heights(of, near.normal);
-        let mut all: Vec<Column> = Vec::with_capacity(heights.len());
-        all.extend(
-            heights.iter().filter_map(|(place, heights)| building.column(*place, heights.clone(), level)),
-        );
-        let mut columns =
-            Columns { axis, anchor: building.anchor, all, after: Vec::new(), before: Vec::new() };
-        let rim: Vec<Column> = heights
-            .iter()
-            .flat_map(|(place, heights)| beside(*place).map(|beside| (beside, heights.clone())))
-            .filter(|(beside, _)| columns.find(*beside).is_none())
-            .filter_map(|(beside, heights)| building.column(beside, heights, None))
-            .map(|column| Column { of: Of::Rim, ..column })
-            .collect();
-        if !rim.is_empty() {
-            columns.all.extend(rim);
-            columns.all.sort_by_key(|column| column.place);
-            columns.all.dedup_by_key(|column| column.place);
-        }
+        let members = building.members(of, near.normal);
+        let same = |a: &Member, b: &Member| a.place == b.place;
+        let mut all: Vec<Column> = Vec::with_capacity(members.len());
+        all.extend(members.chunk_by(same).filter_map(|column| building.column(column)));
+        let mut columns = Columns { axis, anchor: building.anchor, all, sides: Vec::new() };
         columns.connect();
-        if level.is_some() {
-            columns.take_noise_from_around(near);
-        }
+        building.add_rim(&mut columns, members.chunk_by(same));
         columns
     }
 }
 
 impl Building<'_> {
-    /// For each place with cells of the plane, in order, the heights at which its points may be.
-    fn heights(&self, of: &[u32], normal: DVec3) -> Vec<([i32; 2], RangeInclusive<i32>)> {
+    /// The cells of the plane by place and height.
+    fn members(&self, of: &[u32], normal: DVec3) -> Vec<Member> {
         let Owned { grid, nodes, errors, .. } = self.owned;
         let size = grid.cell_size();
         let cells = of.iter().filter_map(|node| {
@@ -141,106 +138,194 @@ impl Building<'_> {
             };
             let reach = reach(noise.quadratic_form(normal.to_array()), size);
             let key = grid.get(id)?.key();
-            let height = key[self.axis];
-            Some((place_of(key, self.axis), height.saturating_sub(reach)..=height.saturating_add(reach)))
+            Some(Member { place: place_of(key, self.axis), height: key[self.axis], reach, node: *node })
         });
-        let mut cells: Vec<_> = cells.collect();
-        cells.sort_unstable_by_key(|(place, heights)| (*place, *heights.start()));
-        cells.dedup_by(|next, first| {
-            let same = next.0 == first.0;
-            if same {
-                first.1 = *first.1.start()..=*first.1.end().max(next.1.end());
-            }
-            same
-        });
+        let mut cells: Vec<Member> = cells.collect();
+        cells.sort_unstable_by_key(|cell| (cell.place, cell.height));
         cells
     }
 
-    fn column(
-        &self,
-        place: [i32; 2],
-        heights: RangeInclusive<i32>,
-        level: Option<&NoiseLevel>,
-    ) -> Option<Column> {
-        let Owned { grid, plane_of_cell, errors, .. } = self.owned;
-        let mut of = Of::Plane;
-        let mut sum = Stats::new(self.anchor);
-        let mut seen: Vec<Sighting> = Vec::new();
-        for height in heights {
-            let mut key = [height; 3];
-            key[(self.axis + 1) % 3] = place[0];
-            key[(self.axis + 2) % 3] = place[1];
-            let Some(cell) = grid.find(key) else { continue };
-            let index = cell.id().index();
-            if plane_of_cell.get(index).copied().flatten().is_some_and(|other| Some(other) != self.plane) {
-                of = Of::Others;
+    /// The column of some members, which share a place.
+    fn column(&self, members: &[Member]) -> Option<Column> {
+        let place = members.first()?.place;
+        let mut gathered = Gathered::new(self.anchor);
+        let range = heights(members);
+        let mut members = members.iter().peekable();
+        for height in range {
+            match members.next_if(|member| member.height == height) {
+                Some(member) => self.gather_member(member, &mut gathered),
+                None => self.gather(place, height, &mut gathered),
             }
-            sum.merge(&cell.stats());
-            seen.extend(errors.seen(index));
         }
+        gathered.column(place, self.level, &self.owned.errors)
+    }
+
+    /// Puts beside the columns what there is at their sides and heights, where no column is.
+    fn add_rim<'m>(&self, columns: &mut Columns, of: impl Iterator<Item = &'m [Member]>) {
+        let mut missing = Vec::new();
+        let with_sides: Vec<(&[Member], Sides)> = of.zip(columns.sides.iter().copied()).collect();
+        for (at, (members, sides)) in with_sides.into_iter().enumerate() {
+            for side in 0..2 {
+                for (step, beside) in [(1, sides.after[side]), (-1, sides.before[side])] {
+                    if beside.is_none()
+                        && let Some(member) = members.first()
+                    {
+                        let mut place = member.place;
+                        place[side] = place[side].saturating_add(step);
+                        missing.push((place, at, side, step, heights(members)));
+                    }
+                }
+            }
+        }
+        missing.sort_by_key(|(place, at, ..)| (*place, *at));
+        for of_place in missing.chunk_by(|a, b| a.0 == b.0) {
+            let Some((place, .., heights)) = of_place.first() else { continue };
+            let mut gathered = Gathered::new(self.anchor);
+            for height in heights.clone() {
+                self.gather(*place, height, &mut gathered);
+            }
+            let Some(column) = gathered.column(*place, None, &self.owned.errors) else { continue };
+            // Columns are as many as cells at most, which are numbered with 32 bits.
+            let rim = u32::try_from(columns.all.len()).ok();
+            columns.all.push(Column { of: Of::Rim, ..column });
+            columns.sides.push(Sides::default());
+            for (_, at, side, step, _) in of_place {
+                let sides = &mut columns.sides[*at];
+                let of_step = if *step > 0 { &mut sides.after } else { &mut sides.before };
+                of_step[*side] = rim;
+            }
+        }
+    }
+
+    fn gather_member(&self, member: &Member, gathered: &mut Gathered) {
+        let Owned { nodes, errors, .. } = self.owned;
+        if let Some(stats) = nodes.stats.get(member.node as usize) {
+            gathered.sum.merge(stats);
+        }
+        if let Some(id) = nodes.dense.cells().get(member.node as usize) {
+            gathered.seen.extend(errors.seen(id.index()));
+        }
+    }
+
+    fn gather(&self, place: [i32; 2], height: i32, gathered: &mut Gathered) {
+        let Owned { grid, plane_of_cell, errors, .. } = self.owned;
+        let mut key = [height; 3];
+        key[(self.axis + 1) % 3] = place[0];
+        key[(self.axis + 2) % 3] = place[1];
+        let Some(cell) = grid.find(key) else { return };
+        let index = cell.id().index();
+        if plane_of_cell.get(index).copied().flatten().is_some_and(|other| Some(other) != self.plane) {
+            gathered.of = Of::Others;
+        }
+        gathered.sum.merge(&cell.stats());
+        gathered.seen.extend(errors.seen(index));
+    }
+}
+
+/// From the lowest to the highest at which points of these may be, as long as they are sorted by height.
+fn heights(members: &[Member]) -> RangeInclusive<i32> {
+    let low = members.iter().map(|member| member.height.saturating_sub(member.reach)).min();
+    let high = members.iter().map(|member| member.height.saturating_add(member.reach)).max();
+    low.unwrap_or(1)..=high.unwrap_or(0)
+}
+
+/// What a column is made of.
+struct Gathered {
+    sum: Stats,
+    of: Of,
+    seen: Vec<Sighting>,
+}
+
+impl Gathered {
+    fn new(anchor: [f64; 3]) -> Self {
+        Self { sum: Stats::new(anchor), of: Of::Plane, seen: Vec::new() }
+    }
+
+    fn column(self, place: [i32; 2], level: Option<&NoiseLevel>, errors: &Errors) -> Option<Column> {
+        let Self { sum, of, seen } = self;
         if sum.count() == 0 {
             return None;
         }
-        let seen = (!seen.is_empty()).then(|| Seen::of(merged(seen), &sum, errors.views)).map(Box::new);
-        let sum = match level {
-            Some(level) => {
-                let from = seen.as_ref().map_or(&[][..], |seen| &seen.from);
-                sum.with_noise(level.covariance(errors, &sum, from) * sum.count() as f64)
-            }
-            None => sum,
-        };
-        Some(Column { place, sum: *sum.moments(), of, seen })
+        let seen = (!seen.is_empty()).then(|| Box::new(Seen::of(merged(seen), &sum, errors.views)));
+        let mut column = Column { place, sum: *sum.moments(), of, seen };
+        if let Some(level) = level {
+            column.take_level(sum.anchor(), level, errors);
+        }
+        Some(column)
     }
 }
 
 impl Columns {
-    pub(crate) fn find(&self, place: [i32; 2]) -> Option<usize> {
-        self.all.binary_search_by_key(&place, |column| column.place).ok()
+    /// Takes errors that were found out.
+    pub(crate) fn take_level(&mut self, near: &Near, level: &NoiseLevel, errors: &Errors) {
+        for column in self.all.iter_mut().filter(|column| column.of != Of::Rim) {
+            column.take_level(self.anchor, level, errors);
+        }
+        self.take_noise_from_around(near);
     }
 
     /// Takes the level of noise from the columns around each, in their median, where the level of the whole map was taken: it
     /// knows how far a surface is, but not how it reflects or at what angle it was seen. What scatters far more than the level is no
     /// noise.
-    fn take_noise_from_around(&mut self, near: &Near) {
+    pub(crate) fn take_noise_from_around(&mut self, near: &Near) {
+        let normal = near.normal;
         let shown: Vec<Option<f64>> = self
             .all
             .iter()
             .map(|column| {
-                let level = variance_along(&column.sum, near.normal);
+                let level = variance_along(&column.sum, normal);
                 let shown =
-                    scatter_along(&column.sum, near.normal.to_array()).filter(|_| column.of == Of::Plane)?;
+                    scatter_along(&column.sum, normal.to_array()).filter(|_| column.of == Of::Plane)?;
                 Some(shown.min(MOST_NOISE * level))
             })
             .collect();
-        let near_normal = near.normal;
         for at in 0..self.all.len() {
-            let around = around(self.all[at].place).filter_map(|place| self.find(place));
-            let mut near: Vec<f64> = around.filter_map(|at| shown.get(at).copied().flatten()).collect();
-            near.sort_by(f64::total_cmp);
-            if near.len() >= FEWEST_AROUND
-                && let Some(variance) = near.get(near.len() / 2).filter(|variance| **variance > 0.0)
-            {
-                let column = &mut self.all[at];
-                let level = variance_along(&column.sum, near_normal);
+            let mut near = [f64::INFINITY; 9];
+            let mut count = 0;
+            for (place, variance) in near.iter_mut().zip(self.around(at).filter_map(|at| shown[at])) {
+                *place = variance;
+                count += 1;
+            }
+            if count < FEWEST_AROUND {
+                continue;
+            }
+            near.sort_unstable_by(f64::total_cmp);
+            let variance = near[count / 2];
+            let column = &mut self.all[at];
+            let level = variance_along(&column.sum, normal);
+            if variance > 0.0 && level > 0.0 {
                 column.sum = column.sum.with_noise(column.sum.noise() * (variance / level));
             }
         }
     }
 
-    /// Finds the neighbours of each column.
+    /// Finds the neighbours of each column. Two cursors walk the sorted places, one at each side.
     fn connect(&mut self) {
-        self.after = vec![[None; 2]; self.all.len()];
-        self.before = self.after.clone();
+        self.sides = vec![Sides::default(); self.all.len()];
+        let mut cursor = 0;
         for at in 0..self.all.len() {
             let [a, b] = self.all[at].place;
-            for (side, place) in [[a.saturating_add(1), b], [a, b.saturating_add(1)]].into_iter().enumerate()
-            {
-                let Some(found) = self.find(place).filter(|found| *found != at) else { continue };
-                // Columns are as many as cells at most, which are numbered with 32 bits.
-                self.after[at][side] = u32::try_from(found).ok();
-                self.before[found][side] = u32::try_from(at).ok();
+            let next = [a.saturating_add(1), b];
+            while self.all.get(cursor).is_some_and(|column| column.place < next) {
+                cursor += 1;
+            }
+            for (side, found, place) in [(0, cursor, next), (1, at + 1, [a, b.saturating_add(1)])] {
+                if found != at && self.all.get(found).is_some_and(|column| column.place == place) {
+                    // Columns are as many as cells at most, which are numbered with 32 bits.
+                    self.sides[at].after[side] = u32::try_from(found).ok();
+                    self.sides[found].before[side] = u32::try_from(at).ok();
+                }
             }
         }
+    }
+
+    /// A column and those beside it, also across corners.
+    pub(crate) fn around(&self, at: usize) -> impl Iterator<Item = usize> {
+        let three = move |at: usize, side: usize| {
+            let Sides { after, before } = self.sides[at];
+            [before[side], u32::try_from(at).ok(), after[side]].into_iter().flatten().map(|at| at as usize)
+        };
+        three(at, 0).flat_map(move |at| three(at, 1))
     }
 
     pub(crate) fn counted<'c>(&'c self, counts: &'c [bool]) -> impl Iterator<Item = &'c Column> + Clone {
@@ -285,6 +370,13 @@ impl Columns {
 }
 
 impl Column {
+    fn take_level(&mut self, anchor: [f64; 3], level: &NoiseLevel, errors: &Errors) {
+        let from = self.seen.as_ref().map_or(&[][..], |seen| &seen.from);
+        let place = Stats::from_moments(anchor, self.sum);
+        let noise = level.covariance(errors, &place, from) * self.sum.count() as f64;
+        self.sum = self.sum.with_noise(noise);
+    }
+
     /// Of its points, from the anchor of the columns.
     pub(crate) fn mean(&self) -> DVec3 {
         DVec3::from(self.sum.sum()) / self.sum.weight()
@@ -295,17 +387,6 @@ impl Column {
         let shared = self.seen.as_ref().map_or(SymmetricMatrix3::ZERO, |seen| seen.shared.of_points);
         mean_noise(&self.sum) + shared
     }
-}
-
-/// A place and the eight beside it.
-pub(crate) fn around([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
-    (-1..=1).flat_map(move |x: i32| (-1..=1).map(move |y: i32| [a.saturating_add(x), b.saturating_add(y)]))
-}
-
-/// The four places at its sides.
-fn beside([a, b]: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
-    let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]];
-    beside.into_iter().map(move |[x, y]: [i32; 2]| [a.saturating_add(x), b.saturating_add(y)])
 }
 
 fn place_of(key: VoxelKey, axis: usize) -> [i32; 2] {

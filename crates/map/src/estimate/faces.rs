@@ -4,7 +4,7 @@ use glam::DVec3;
 use terrace_normals::{CovariantPlane, PlaneFit};
 use terrace_stats::SymmetricMatrix3;
 
-use super::columns::{Column, Columns, Of};
+use super::columns::{Column, Columns, Of, Sides};
 
 /// Columns whose weights differ by less count alike.
 const ALIKE: f64 = 1e-3;
@@ -47,23 +47,30 @@ impl Columns {
     ) -> impl Iterator<Item = Face<'c>> {
         let weight = |at: usize| if counts[at] { plane.weight(&self.all[at].sum) } else { 0.0 };
         let weights: Vec<f64> = (0..self.all.len()).map(weight).collect();
-        let sides =
-            |at: usize| [1, 2].into_iter().zip(self.after[at]).filter_map(|(s, b)| Some((s, b? as usize)));
+        // Each face once: that after a column, and that before it where the rim is, which knows no neighbours.
+        let sides = |at: usize| {
+            let Sides { after, before } = self.sides[at];
+            let rim = |at: &u32| self.all[*at as usize].of == Of::Rim;
+            [(1, after[0]), (2, after[1]), (1, before[0].filter(rim)), (2, before[1].filter(rim))]
+                .into_iter()
+                .zip([1.0, 1.0, -1.0, -1.0])
+                .filter_map(|((side, beside), sign)| Some((side, beside? as usize, sign)))
+        };
         let PlaneFit { centroid, normal, axes, .. } = plane.fit;
         let (normal, [e1, e2]) = (DVec3::from(normal), axes.map(DVec3::from));
         let centroid = DVec3::from(centroid) - DVec3::from(self.anchor);
         (0..self.all.len())
-            .flat_map(move |at| sides(at).map(move |(side, after)| (at, side, after)))
-            .filter_map(move |(at, side, after)| {
-                let step = weights[at] - weights[after];
-                if step.abs() <= ALIKE * weights[at].max(weights[after]) {
+            .flat_map(move |at| sides(at).map(move |(side, beside, sign)| (at, side, beside, sign)))
+            .filter_map(move |(at, side, beside, sign)| {
+                let step = sign * (weights[at] - weights[beside]);
+                if step.abs() <= ALIKE * weights[at].max(weights[beside]) {
                     return None;
                 }
                 // The one that counts, and the direction from it to the other.
-                let (inner, outer, sign) = if counts[at] { (at, after, 1.0) } else { (after, at, -1.0) };
+                let (inner, outer, sign) = if counts[at] { (at, beside, sign) } else { (beside, at, -sign) };
                 let (inner, outer) = (&self.all[inner], &self.all[outer]);
                 let [own, others] = [inner, outer].map(|column| column.sum.count() as f64);
-                let (points, noise) = if counts[at] && counts[after] {
+                let (points, noise) = if counts[at] && counts[beside] {
                     let both = inner.noise_of_points() * own + outer.noise_of_points() * others;
                     (0.5 * (own + others), both * 0.5)
                 } else {

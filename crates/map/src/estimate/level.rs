@@ -8,6 +8,8 @@ use super::sightings::Sighting;
 
 /// Places with fewer points say little of their scatter.
 const FEWEST: u64 = 8;
+/// Scatter below this share of the extent of a place, both squared, is rounding.
+const ROUNDING: f64 = 1e-13;
 /// Places for each range at which the level is told, at least, and the most such ranges.
 const PER_KNOT: usize = 40;
 const MOST_KNOTS: usize = 12;
@@ -74,21 +76,32 @@ impl Residuals {
 
 /// An estimate of the variance of the points along a normal whose median is right; `None` for few points.
 pub(crate) fn scatter_along(place: &Moments, normal: [f64; 3]) -> Option<f64> {
-    let scatter = place.covariance().filter(|_| place.count() >= FEWEST)?.quadratic_form(normal).max(0.0);
+    if place.count() < FEWEST {
+        return None;
+    }
+    let mean = DVec3::from(place.sum()) / place.weight();
+    let of_mean = mean.dot(DVec3::from(normal));
+    let scatter = place.second().quadratic_form(normal) / place.weight() - of_mean * of_mean;
+    let extent = place.second().trace() / place.weight() - mean.length_squared();
+    let along = if scatter > ROUNDING * extent { scatter } else { 0.0 };
     let freedom = place.count() as f64 - 1.0;
     // The median of χ² over its degrees of freedom (Wilson and Hilferty 1931).
     let median = (1.0 - 2.0 / (9.0 * freedom)).powi(3);
-    Some(scatter * place.count() as f64 / freedom / median).filter(|variance| variance.is_finite())
+    Some(along * place.count() as f64 / freedom / median).filter(|variance| variance.is_finite())
 }
 
 impl NoiseLevel {
     /// `None` without places, or when their points lie exactly in a plane.
     pub(crate) fn of(residuals: &Residuals) -> Option<Self> {
         let mut seen = residuals.of.clone();
-        // Places seen from nowhere come first.
-        let range = |of: &Residual| of.range.unwrap_or(f64::NEG_INFINITY);
-        seen.sort_by(|a, b| range(a).total_cmp(&range(b)).then(a.variance.total_cmp(&b.variance)));
-        let knots = (seen.len() / PER_KNOT).clamp(1, MOST_KNOTS);
+        let known = seen.iter().all(|place| place.range.is_some());
+        let knots = if known { (seen.len() / PER_KNOT).clamp(1, MOST_KNOTS) } else { 1 };
+        if knots > 1 {
+            let range = |of: &Residual| of.range.unwrap_or(f64::NEG_INFINITY);
+            seen.sort_unstable_by(|a, b| {
+                range(a).total_cmp(&range(b)).then(a.variance.total_cmp(&b.variance))
+            });
+        }
         let part = |k: usize| seen.get(k * seen.len() / knots..(k + 1) * seen.len() / knots);
         let knots: Vec<NoiseKnot> = (0..knots).filter_map(part).filter_map(NoiseKnot::of).collect();
         knots
@@ -137,8 +150,11 @@ impl NoiseLevel {
 impl NoiseKnot {
     fn of(places: &[Residual]) -> Option<Self> {
         let mut variances: Vec<f64> = places.iter().map(|place| place.variance).collect();
-        variances.sort_by(f64::total_cmp);
-        let median = *variances.get(variances.len() / 2)?;
+        let middle = variances.len() / 2;
+        if variances.is_empty() {
+            return None;
+        }
+        let median = *variances.select_nth_unstable_by(middle, f64::total_cmp).1;
         let [along, across] = along_and_across(places, median).unwrap_or([median; 2]).map(f64::sqrt);
         Some(Self { range: places.get(places.len() / 2)?.range, along, across })
     }

@@ -33,6 +33,8 @@ const ROUGHEST: f64 = 3.0;
 const CENTRES: f64 = 0.6;
 /// What lies on a plane is looked for near the plane before, so many times.
 const SUPPORT_ROUNDS: usize = 2;
+/// The level of noise is first taken from about so many cells.
+const SAMPLES: usize = 2000;
 /// Residuals are larger than the errors say from so many of their own standard errors on.
 const SIGNIFICANT: f64 = 3.0;
 
@@ -146,12 +148,27 @@ pub(crate) fn estimate_planes(
     }
     let errors = Errors::of(mapper, nodes, settings.floor);
     let mut cells = Owned { grid, nodes, plane_of_cell, errors };
-    if !nodes.know_errors() {
-        cells.errors.level = cells.found_out(planes, &nodes_of);
-        cells.errors.level.as_ref()?;
+    let level = if nodes.know_errors() { None } else { Some(cells.level_of_cells(planes, &nodes_of)?) };
+    let mut columns: Vec<(Near, Columns)> = planes
+        .par_iter()
+        .zip(&nodes_of)
+        .map(|(plane, of)| {
+            let near = Near::to(plane);
+            (near, cells.columns(Some(plane.id), of, &near, level.as_ref()))
+        })
+        .collect();
+    if let Some(first) = level {
+        // Single cells cut noise at their faces; columns of them show all of it.
+        let mut residuals = Residuals::default();
+        for (near, columns) in &columns {
+            columns.residuals(near, &cells.errors, &mut residuals);
+        }
+        let level = NoiseLevel::of(&residuals).unwrap_or(first);
+        columns.par_iter_mut().for_each(|(near, columns)| columns.take_level(near, &level, &cells.errors));
+        cells.errors.level = Some(level);
     }
-    planes.par_iter_mut().zip(nodes_of).for_each(|(plane, of)| {
-        let found = cells.estimate(plane.id, &of, &Near::to(plane));
+    planes.par_iter_mut().zip(&columns).for_each(|(plane, (near, columns))| {
+        let found = cells.estimate(columns, near);
         plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
     });
     let limit = ROUGHEST * usual_chi_squared(planes);
@@ -189,37 +206,22 @@ impl<'m> Errors<'m> {
 }
 
 impl Owned<'_> {
-    /// The level of noise that the residuals of flat places show.
-    fn found_out(&self, planes: &[ExtractedPlane], nodes_of: &[Vec<u32>]) -> Option<NoiseLevel> {
-        // First by single cells, whose faces cut the noise; then by columns of them, which need to know how far noise reaches.
+    /// The level of noise that the cells of planes show.
+    fn level_of_cells(&self, planes: &[ExtractedPlane], nodes_of: &[Vec<u32>]) -> Option<NoiseLevel> {
         let mut residuals = Residuals::default();
+        let stride = nodes_of.iter().map(Vec::len).sum::<usize>() / SAMPLES + 1;
         for (plane, of) in planes.iter().zip(nodes_of) {
-            for node in of {
-                let (Some(stats), Some(cell)) =
-                    (self.nodes.stats.get(*node as usize), self.nodes.dense.cells().get(*node as usize))
-                else {
-                    continue;
-                };
+            for node in of.iter().step_by(stride) {
+                let place = *node as usize;
+                let cell = self.nodes.stats.get(place).zip(self.nodes.dense.cells().get(place));
+                let Some((stats, cell)) = cell else { continue };
                 residuals.push(&self.errors, self.errors.seen(cell.index()), stats, plane.plane.normal());
             }
         }
-        let first = NoiseLevel::of(&residuals)?;
-        let columns: Vec<(Columns, Near)> = planes
-            .par_iter()
-            .zip(nodes_of)
-            .map(|(plane, of)| {
-                let near = Near::to(plane);
-                (self.columns(Some(plane.id), of, &near, Some(&first)), near)
-            })
-            .collect();
-        let mut residuals = Residuals::default();
-        for (columns, near) in &columns {
-            columns.residuals(near, &self.errors, &mut residuals);
-        }
-        NoiseLevel::of(&residuals).or(Some(first))
+        NoiseLevel::of(&residuals)
     }
 
-    /// The plane of least variance through the cells of `plane`, near that of a centroid and a normal; `None` when no error
+    /// The plane of least variance through the columns, near a plane; `None` when no error
     /// is known, or what is left of the cells determines none.
     ///
     /// # Algorithm
@@ -232,8 +234,7 @@ impl Owned<'_> {
     ///    side in, those to the other out. What that adds to the sums is known, `∓ d/ξ nᵀ C e` for a face across the axis e of a
     ///    column of d points, and is taken back.
     /// 4. The covariance of the points' errors grows with the residuals; those of the poses and the floor are added.
-    fn estimate(&self, plane: PlaneId, of: &[u32], near: &Near) -> Option<Found> {
-        let columns = self.columns(Some(plane), of, near, self.errors.level.as_ref());
+    fn estimate(&self, columns: &Columns, near: &Near) -> Option<Found> {
         let floor = self.errors.floor;
         let fit = |counts: &[bool], near: &Near| {
             let mut found = columns.fit(counts, near.normal)?;
@@ -257,7 +258,7 @@ impl Owned<'_> {
             estimate = Some((found, counts));
         }
         let (found, counts) = estimate?;
-        Some(self.complete(found, &columns, &counts))
+        Some(self.complete(found, columns, &counts))
     }
 
     /// The covariance with all that the points' errors do not tell.

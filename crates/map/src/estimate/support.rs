@@ -3,7 +3,7 @@
 use glam::DVec3;
 use terrace_normals::CovariantPlane;
 
-use super::columns::{Column, Columns, Near, Of, around, variance_along};
+use super::columns::{Column, Columns, Near, Of, Sides, variance_along};
 
 /// Cells further off than this many standard errors of their points are not of the plane.
 const FAR: f64 = 4.0;
@@ -64,13 +64,12 @@ impl Columns {
     fn apart(&self, holds: impl Iterator<Item = bool>) -> Vec<bool> {
         let mut counts = vec![true; self.all.len()];
         // From the few for which it does not: the others need no look around.
-        for ((at, column), _) in self.all.iter().enumerate().zip(holds).filter(|(_, holds)| !holds) {
+        for (at, _) in holds.enumerate().filter(|(_, holds)| !holds) {
             counts[at] = false;
-            if column.of == Of::Rim {
-                continue;
-            }
-            for near in around(column.place).filter_map(|place| self.find(place)) {
-                counts[near] = false;
+            if self.all[at].of != Of::Rim {
+                for near in self.around(at) {
+                    counts[near] = false;
+                }
             }
         }
         counts
@@ -88,8 +87,9 @@ impl Columns {
             of_points = (of_points.0 + count * (deviation.scatter + deviation.off), of_points.1 + count);
             // Errors carry points from column to column and with them the mean, which is made up for by the columns on the
             // other side; not so at a border.
-            let sides = self.after[at].into_iter().chain(self.before[at]);
-            let within = sides.into_iter().all(|side| side.is_some_and(|side| counts[side as usize]));
+            let Sides { after, before } = self.sides[at];
+            let within =
+                after.into_iter().chain(before).all(|side| side.is_some_and(|side| counts[side as usize]));
             if within {
                 of_means = (of_means.0 + deviation.mean, of_means.1 + 1.0);
             }
