@@ -126,12 +126,15 @@ fn labelled_scans_are_calibrated_with_one_file_each_or_one_for_all() {
     let other = TempDir::new().unwrap();
     let _ = calibrate(&for_all, other.path()).ended_with(0);
     assert_eq!(json(other.path())["planes"], file["planes"]);
+    let too_many = calibrate(&for_all[1..], other.path()).ended_with(1);
+    assert!(
+        too_many.stderr.contains("--labels") && too_many.stderr.contains("all.npy"),
+        "{}",
+        too_many.stderr
+    );
 
     let too_few = calibrate(&arguments[..arguments.len() - 1], folder.path()).ended_with(2);
     assert!(too_few.stderr.contains("2 files for 3 inputs"), "{}", too_few.stderr);
-    let short = calibrate(&[views[0].as_str(), "--sigma", "0.01", "--labels", &labels[1]], folder.path())
-        .ended_with(1);
-    assert!(short.stderr.contains("--labels"), "{}", short.stderr);
     let silent = calibrate(&[views[0].as_str(), "--labels", &labels[0]], folder.path()).ended_with(2);
     assert!(silent.stderr.contains("name a sensor"), "{}", silent.stderr);
 }
@@ -152,9 +155,8 @@ fn scans_are_held_against_each_other() {
     let file = json(folder.path());
     let runs = file["runs"].as_array().unwrap();
     assert_eq!((runs.len(), &file["kind"]), (2, &"scans".into()));
-    // The points are exact: errors are far below what is claimed, and with a floor even further.
-    let ratios: Vec<f64> = runs.iter().map(|run| run["ratio_median"].as_f64().unwrap()).collect();
-    assert!(ratios[0] < 0.8 && ratios[1] < ratios[0], "{ratios:?}");
+    // The points are exact: errors are far below what is claimed.
+    assert!(runs.iter().all(|run| run["ratio_median"].as_f64().unwrap() < 0.1), "{}", run.stdout);
     let plane = &runs[0]["by_plane"][0];
     assert_eq!(plane["coefficients"].as_array().unwrap().len(), 4);
     assert!(plane["residuals"].as_array().unwrap().len() >= 3);

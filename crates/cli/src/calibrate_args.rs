@@ -56,14 +56,13 @@ pub struct CalibrateArgs {
     #[arg(long, value_enum, value_name = "SCENE")]
     pub scene: Option<Scene>,
     /// Points of each copy [default: by scene]
-    #[arg(long, value_name = "N", requires = "scene", help_heading = "Scene")]
+    #[arg(long, value_name = "N", help_heading = "Scene")]
     pub points: Option<usize>,
     /// Moves the scene, in metres
     #[arg(
         long,
         value_name = "X,Y,Z",
         value_parser = parse_offset,
-        requires = "scene",
         allow_hyphen_values = true,
         help_heading = "Scene"
     )]

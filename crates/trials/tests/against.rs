@@ -1,5 +1,7 @@
 //! Scans of a room against each other: the ratio of errors is near 1 where all is told, above it where poses are wrong.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 use terrace::{Estimate, Mapper, Params, PoseNoise};
 use terrace_synth::{LabelledScan, Scene, misplaced, perturbed};
 use terrace_trials::{Agreement, Look, Ratio, Reference, Scatter, TrialError, scans_against_each_other};

@@ -1,5 +1,7 @@
 //! The error of an estimate does not depend on where the world is and which way the normal points.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use terrace::{Mapper, Params, PlaneEstimate};

@@ -1,5 +1,7 @@
 //! Copies of known planes: right covariances are found right, wrong ones wrong, and the same on any number of threads.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 use std::num::NonZeroU32;
 use std::sync::atomic::{AtomicU32, Ordering};
 

@@ -33,6 +33,11 @@ pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
 fn check(args: &CalibrateArgs) -> Result<(), CliError> {
     let known = args.scene.is_some() || !args.labels.is_empty();
     let without_effect = |option: &str, why: &str| Err(CliError::Usage(format!("{option} {why}")));
+    for (option, given) in [("--points", args.points.is_some()), ("--offset", args.offset.is_some())] {
+        if given && args.scene.is_none() {
+            return without_effect(option, "is about built scenes: it needs --scene");
+        }
+    }
     if !known {
         for (option, given) in [
             ("--copies", args.copies.is_some()),
