@@ -50,6 +50,7 @@ impl Connectivity {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DenseCells {
     cells: Vec<CellId>,
+    keys: Vec<VoxelKey>,
     /// Node `i` is connected to `neighbours[starts[i]..starts[i + 1]]`.
     starts: Vec<usize>,
     neighbours: Vec<u32>,
@@ -88,7 +89,8 @@ impl DenseCells {
             }
             starts.push(neighbours.len());
         }
-        Self { cells: sorted.iter().map(|(_, id)| *id).collect(), starts, neighbours }
+        let (keys, cells) = sorted.iter().copied().unzip();
+        Self { cells, keys, starts, neighbours }
     }
 
     /// Number of dense cells.
@@ -104,6 +106,11 @@ impl DenseCells {
     /// The cells, by node.
     pub fn cells(&self) -> &[CellId] {
         &self.cells
+    }
+
+    /// The keys of the cells, by node: in rising order.
+    pub fn keys(&self) -> &[VoxelKey] {
+        &self.keys
     }
 
     /// The nodes directly connected to `node`, in rising order; none for a node that does not exist.

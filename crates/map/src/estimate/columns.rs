@@ -13,8 +13,9 @@ use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
 use super::{Errors, ExtractedPlane, Owned};
 
-/// Errors of this many standard errors are still looked for beyond the cells of a plane.
-const FAR: f64 = 4.0;
+/// Errors of this many standard errors are still looked for beyond the cells of a plane; the mean of a cell may be off by one of
+/// them, since its faces cut the errors.
+const FAR: f64 = 5.0;
 /// Voxels above and below that are looked at, at most: errors larger than cells say little of a plane.
 const REACH: i32 = 4;
 /// The level of noise around a column is taken from so many columns at least.
@@ -95,11 +96,11 @@ struct Building<'a> {
     anchor: [f64; 3],
 }
 
-/// A cell of the plane, and how far beyond it points may be.
+/// A cell of the plane, and the heights at which there may be points of the plane at its place.
 struct Member {
     place: [i32; 2],
     height: i32,
-    reach: i32,
+    heights: RangeInclusive<i32>,
     node: u32,
 }
 
@@ -129,20 +130,42 @@ impl Building<'_> {
     /// The cells of the plane by place and height.
     fn members(&self, of: &[u32], normal: DVec3) -> Vec<Member> {
         let Owned { grid, nodes, errors, .. } = self.owned;
-        let size = grid.cell_size();
         let cells = of.iter().filter_map(|node| {
-            let (stats, id) = (nodes.stats.get(*node as usize)?, *nodes.dense.cells().get(*node as usize)?);
+            let at = *node as usize;
+            let (stats, key) = (nodes.stats.get(at)?, *nodes.dense.keys().get(at)?);
             let noise = match self.level {
-                Some(level) => level.covariance(errors, stats, errors.seen(id.index())),
+                Some(level) => {
+                    level.covariance(errors, stats, errors.seen(nodes.dense.cells().get(at)?.index()))
+                }
                 None => mean_noise(stats.moments()),
             };
-            let reach = reach(noise.quadratic_form(normal.to_array()), size);
-            let key = grid.get(id)?.key();
-            Some(Member { place: place_of(key, self.axis), height: key[self.axis], reach, node: *node })
+            let sigma = noise.quadratic_form(normal.to_array()).max(0.0).sqrt();
+            let [below, above] = self.reach(stats.moments(), normal, sigma, grid.cell_size());
+            let height = key[self.axis];
+            let heights = height.saturating_add(below.min(0))..=height.saturating_add(above.max(0));
+            Some(Member { place: place_of(key, self.axis), height, heights, node: *node })
         });
         let mut cells: Vec<Member> = cells.collect();
         cells.sort_unstable_by_key(|cell| (cell.place, cell.height));
         cells
+    }
+
+    /// Voxels above a cell, whose sums are about its centre, that points of a plane through its mean may lie in: the lowest and
+    /// the highest.
+    fn reach(&self, cell: &Moments, normal: DVec3, sigma: f64, size: f64) -> [i32; 2] {
+        let mean = DVec3::from(cell.sum()) / cell.weight();
+        let steepness = 1.0 / normal[self.axis];
+        let (mut low, mut high) = (mean[self.axis], mean[self.axis]);
+        for side in [1, 2] {
+            let e = (self.axis + side) % 3;
+            let ends = [-0.5 * size, 0.5 * size].map(|end| (mean[e] - end) * normal[e] * steepness);
+            low += ends[0].min(ends[1]);
+            high += ends[0].max(ends[1]);
+        }
+        let errors = FAR * sigma * steepness.abs();
+        // Saturates; what is no number stays in the cell.
+        #[allow(clippy::cast_possible_truncation)]
+        [low - errors, high + errors].map(|end| ((end / size + 0.5).floor() as i32).clamp(-REACH, REACH))
     }
 
     /// The column of some members, which share a place.
@@ -222,10 +245,10 @@ impl Building<'_> {
     }
 }
 
-/// From the lowest to the highest at which points of these may be, as long as they are sorted by height.
+/// From the lowest to the highest at which points of these may be.
 fn heights(members: &[Member]) -> RangeInclusive<i32> {
-    let low = members.iter().map(|member| member.height.saturating_sub(member.reach)).min();
-    let high = members.iter().map(|member| member.height.saturating_add(member.reach)).max();
+    let low = members.iter().map(|member| *member.heights.start()).min();
+    let high = members.iter().map(|member| *member.heights.end()).max();
     low.unwrap_or(1)..=high.unwrap_or(0)
 }
 
@@ -404,11 +427,4 @@ fn mean_noise(cell: &Moments) -> SymmetricMatrix3 {
 
 pub(crate) fn variance_along(cell: &Moments, direction: DVec3) -> f64 {
     cell.noise().quadratic_form(direction.to_array()) / cell.count().max(1) as f64
-}
-
-/// Voxels that errors may carry a point of this variance to.
-fn reach(variance: f64, size: f64) -> i32 {
-    let voxels = (FAR * variance.max(0.0).sqrt() / size).ceil();
-    // Also where it is NaN.
-    (1..REACH).find(|reach| voxels <= f64::from(*reach)).unwrap_or(REACH)
 }
