@@ -371,6 +371,11 @@ impl Columns {
         }
     }
 
+    /// How many hold cells of the plane.
+    pub(crate) fn of_plane(&self) -> usize {
+        self.all.iter().filter(|column| column.of != Of::Rim).count()
+    }
+
     /// Those in a block about a place.
     pub(crate) fn block(&self, place: [i32; 2], reach: u32) -> Vec<bool> {
         let within = |column: &Column| (0..2).all(|i| column.place[i].abs_diff(place[i]) <= reach);

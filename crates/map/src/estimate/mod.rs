@@ -27,8 +27,11 @@ use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
 const CORE_ROUNDS: usize = 10;
+/// What is left of a plane tells of it when it is at least so many columns, and at least one in so many.
+const FEWEST_COLUMNS: usize = 4;
+const SMALLEST_SHARE: usize = 5;
 /// What scatters by more than this, in units of the variance usual in the map, is no plane: a strip along an edge, say.
-const ROUGHEST: f64 = 3.0;
+const ROUGHEST: f64 = 2.0;
 /// The share of the points' variance across a plane that lies between columns, at least, for their min-max to be told.
 const CENTRES: f64 = 0.6;
 /// What lies on a plane is looked for near the plane before, so many times.
@@ -258,6 +261,10 @@ impl Owned<'_> {
             estimate = Some((found, counts));
         }
         let (found, counts) = estimate?;
+        let (of_plane, supporting) = (columns.of_plane(), columns.counted(&counts).count());
+        if supporting < FEWEST_COLUMNS || SMALLEST_SHARE * supporting < of_plane {
+            return None;
+        }
         Some(self.complete(found, columns, &counts))
     }
 
