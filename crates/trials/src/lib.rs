@@ -79,7 +79,8 @@ mod known;
 mod monte_carlo;
 
 pub use against::{
-    Agreement, Look, PlaneAgreement, Ratio, Reference, Residual, Scatter, Sighting, scans_against_each_other,
+    Agreement, Look, PlaneAgreement, Ratio, Reference, Residual, Scatter, Sighting, TURNED,
+    scans_against_each_other,
 };
 pub use deviation::Deviation;
 pub use error::TrialError;

@@ -105,7 +105,8 @@ impl Outcome {
     /// # Errors
     /// [`TrialError::Places`], with nothing changed, when the known planes are others.
     pub fn merge(&mut self, other: &Self) -> Result<(), TrialError> {
-        let names = |outcome: &Self| outcome.by_plane.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        let names =
+            |outcome: &Self| outcome.by_plane.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
         let (ours, theirs) = (names(self), names(other));
         if ours != theirs {
             return Err(TrialError::Places { ours, theirs });

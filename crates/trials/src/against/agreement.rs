@@ -23,6 +23,8 @@ pub struct Agreement {
     pub unmatched: usize,
     /// Planes of scans that have no estimate.
     pub without: usize,
+    /// Planes of scans that are turned by more than [`TURNED`](crate::TURNED) from the plane of the reference that they are on.
+    pub turned: usize,
     /// Further planes of a scan on a plane of the reference.
     pub lesser: usize,
 }
@@ -120,6 +122,7 @@ impl Reference {
             seldom: 0,
             unmatched: looks.iter().map(|look| look.unmatched).sum(),
             without: looks.iter().map(|look| look.without).sum(),
+            turned: looks.iter().map(|look| look.turned).sum(),
             lesser: looks.iter().map(|look| look.lesser).sum(),
         };
         for (id, points, common) in &self.planes {

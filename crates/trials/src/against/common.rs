@@ -25,6 +25,12 @@ impl Common {
         Self { origin: plane.centroid.into(), normal, axes: [u, v] }
     }
 
+    /// Between the normals, whichever side they point to, in radians.
+    pub(super) fn angle(&self, estimate: &PlaneEstimate) -> f64 {
+        let normal = DVec3::from(estimate.plane.normal());
+        normal.cross(self.normal).length().atan2(normal.dot(self.normal).abs())
+    }
+
     /// `(e₁ᵀn, e₂ᵀn, −nᵀ(x₀ − c))` for a plane through `c` with normal `n`, and its covariance to first order, `J C Jᵀ`. Far from
     /// the place where the estimate is, its tilts carry the height along.
     pub(super) fn seen(&self, estimate: &PlaneEstimate) -> Seen {

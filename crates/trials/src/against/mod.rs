@@ -14,7 +14,11 @@ use terrace_types::{PlaneId, Scan};
 pub use agreement::{Agreement, PlaneAgreement, Ratio, Residual, Scatter};
 use common::Common;
 
-use crate::{MAJORITY, TrialError};
+use crate::{PURE, TrialError};
+
+/// A plane of a scan that is turned further from that of the reference, in radians, is another one: tilts are no small angles
+/// then, and no covariance is meant for them.
+pub const TURNED: f64 = 0.5;
 
 /// The planes of all scans together, by which it is known which planes of single scans are the same.
 ///
@@ -33,10 +37,12 @@ pub struct Reference {
 pub struct Look {
     /// The planes of the reference that it sees, each once.
     pub sightings: Vec<Sighting>,
-    /// Planes of the scan that are none of the reference: none has [`MAJORITY`] of their labelled points.
+    /// Planes of the scan that are none of the reference: none has [`PURE`] of their labelled points.
     pub unmatched: usize,
     /// Planes of the scan that have no estimate.
     pub without: usize,
+    /// Planes of the scan on a plane of the reference that are turned by more than [`TURNED`] from it.
+    pub turned: usize,
     /// Further planes on a plane of the reference, with fewer points than the one that was taken.
     pub lesser: usize,
 }
@@ -81,7 +87,7 @@ impl Reference {
         let mut mapper = Mapper::new(Params { estimate: Some(Estimate { floor }), ..self.params })?;
         mapper.insert_from(scan, pose)?;
         match mapper.extract() {
-            Ok(map) => Ok(Look::of(&map, labels)),
+            Ok(map) => Ok(Look::of(&map, labels, &self.planes)),
             Err(ExtractError::Empty) => Ok(Look::default()),
             Err(error) => Err(error.into()),
         }
@@ -89,7 +95,7 @@ impl Reference {
 }
 
 impl Look {
-    fn of(map: &PlaneMap, reference: &[Option<PlaneId>]) -> Self {
+    fn of(map: &PlaneMap, reference: &[Option<PlaneId>], planes: &[(PlaneId, u64, Common)]) -> Self {
         // For each of its planes the labelled points, and those of them on each plane of the reference.
         let mut shared: Vec<(u64, BTreeMap<PlaneId, u64>)> = vec![Default::default(); map.planes.len()];
         for (own, reference) in map.labels.iter().zip(reference) {
@@ -102,7 +108,7 @@ impl Look {
         let mut look = Self::default();
         let mut best: BTreeMap<PlaneId, Sighting> = BTreeMap::new();
         for (own, (points, on)) in map.planes.iter().zip(shared) {
-            let same = on.iter().find(|(_, count)| **count as f64 >= MAJORITY * points as f64);
+            let same = on.iter().find(|(_, count)| **count as f64 >= PURE * points as f64);
             let Some((plane, _)) = same else {
                 look.unmatched += 1;
                 continue;
@@ -111,6 +117,12 @@ impl Look {
                 look.without += 1;
                 continue;
             };
+            let turned =
+                |(id, _, common): &(PlaneId, u64, Common)| id == plane && common.angle(&estimate) > TURNED;
+            if planes.iter().any(turned) {
+                look.turned += 1;
+                continue;
+            }
             let sighting = Sighting { plane: *plane, points, estimate };
             match best.get_mut(plane) {
                 None => {

@@ -191,6 +191,7 @@ fn of_agreement(floor: f64, agreement: &Agreement, places: &[Value]) -> Value {
     entry["seldom"] = agreement.seldom.into();
     entry["unmatched"] = agreement.unmatched.into();
     entry["without"] = agreement.without.into();
+    entry["turned"] = agreement.turned.into();
     entry["lesser"] = agreement.lesser.into();
     entry["by_plane"] = agreement
         .planes

@@ -56,8 +56,8 @@ pub fn of_agreements(runs: &[(String, Agreement)]) -> String {
         text += &of_planes(&agreement.planes);
         text += &format!(
             "{} planes are seen too seldom; of scans, {} planes are no plane of all scans, {} a second one on the \
-             same, {} without a covariance\n",
-            agreement.seldom, agreement.unmatched, agreement.lesser, agreement.without
+             same, {} turned far from it, {} without a covariance\n",
+            agreement.seldom, agreement.unmatched, agreement.lesser, agreement.turned, agreement.without
         );
     }
     text
