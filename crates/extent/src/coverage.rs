@@ -14,30 +14,23 @@ const ENOUGH: f64 = 4.0;
 /// Where points are dense, every pixel they touch is occupied, and the border would lie half a pixel too far out. Where
 /// there is about one point on a pixel, the border is right as it is.
 pub(crate) fn trimmed(closed: Runs, pixels: &Pixels) -> Runs {
-    let mut border = closed.border();
-    border.sort_unstable();
-    let outer: Vec<[i32; 2]> = border
-        .iter()
-        .copied()
-        .filter(|&pixel| {
-            let count = f64::from(pixels.get(&pixel).copied().unwrap_or(0));
-            within(&closed, &border, pixels, pixel)
-                .is_some_and(|covered| covered >= ENOUGH && count < covered / 2.0)
-        })
-        .collect();
+    let border = closed.border();
+    let inner = closed.clone().without(&border);
+    let is_outer = |pixel: &[i32; 2]| {
+        let count = f64::from(pixels.get(pixel).copied().unwrap_or(0));
+        within(&inner, pixels, *pixel).is_some_and(|covered| covered >= ENOUGH && count < covered / 2.0)
+    };
+    let outer: Vec<[i32; 2]> = border.into_iter().filter(is_outer).collect();
     closed.without(&outer)
 }
 
-/// Mean number of points on the pixels around that are not on the border.
-fn within(closed: &Runs, border: &[[i32; 2]], pixels: &Pixels, [column, row]: [i32; 2]) -> Option<f64> {
+/// Mean number of points on the inner pixels around.
+fn within(inner: &Runs, pixels: &Pixels, [column, row]: [i32; 2]) -> Option<f64> {
     let (mut points, mut covered) = (0_u64, 0_u32);
-    for dy in -AROUND..=AROUND {
-        for dx in -AROUND..=AROUND {
-            let pixel = [column + dx, row + dy];
-            if closed.contains(pixel) && border.binary_search(&pixel).is_err() {
-                points += u64::from(pixels.get(&pixel).copied().unwrap_or(0));
-                covered += 1;
-            }
+    for row in row - AROUND..=row + AROUND {
+        for column in inner.columns(row, column - AROUND, column + AROUND + 1) {
+            points += u64::from(pixels.get(&[column, row]).copied().unwrap_or(0));
+            covered += 1;
         }
     }
     (covered > 0).then(|| points as f64 / f64::from(covered))

@@ -62,7 +62,9 @@
 //!
 //! # Errors and limits
 //! [`ExtentError`] holds the value that was refused. A footprint holds up to [`MOST_PIXELS`], gaps are up to 128 pixels
-//! wide, points at most 2²⁸ pixels from the origin of the frame. Nothing panics.
+//! wide, points at most 2²⁸ pixels from the origin of the frame. Nothing panics. Time and memory go with the number of
+//! pixels and, for triangles, with the square of the number of holes: thousands of holes in one polygon are noise that a
+//! wider gap or [`OutlineOptions::min_hole_area`] takes away.
 
 mod coverage;
 mod error;

@@ -27,10 +27,14 @@ impl Runs {
         self.0.get(&row).map_or(&[], Vec::as_slice)
     }
 
-    pub(crate) fn contains(&self, [column, row]: [i32; 2]) -> bool {
+    /// The columns of a row that are in the set, of those from the first to before the last.
+    pub(crate) fn columns(&self, row: i32, first: i32, last: i32) -> impl Iterator<Item = i32> {
         let runs = self.row(row);
-        let next = runs.partition_point(|run| run.1 <= column);
-        runs.get(next).is_some_and(|run| run.0 <= column)
+        let next = runs.partition_point(|run| run.1 <= first);
+        runs.iter()
+            .skip(next)
+            .take_while(move |run| run.0 < last)
+            .flat_map(move |run| run.0.max(first)..run.1.min(last))
     }
 
     /// Pixels one of whose four neighbours is not in the set, by row and column.
@@ -100,24 +104,28 @@ impl Runs {
     }
 
     fn dilated(&self, row: i32, half_widths: &[i32]) -> Vec<Run> {
-        let mut runs = Vec::new();
-        for (dy, half) in (0..).zip(half_widths) {
-            for at in [row - dy, row + dy] {
-                runs.extend(self.row(at).iter().map(|(start, end)| (start - half, end + half)));
+        let mut dilated = Vec::new();
+        let reach = i32::try_from(half_widths.len()).unwrap_or(i32::MAX) - 1;
+        for (at, runs) in self.0.range(row - reach..=row + reach) {
+            if let Some(half) = half_width(half_widths, at - row) {
+                dilated.extend(runs.iter().map(|(start, end)| (start - half, end + half)));
             }
         }
-        merge(&mut runs);
-        runs
+        merge(&mut dilated);
+        dilated
     }
+}
+
+/// How far a disc reaches to either side, so many rows from its middle.
+fn half_width(half_widths: &[i32], dy: i32) -> Option<i32> {
+    half_widths.get(usize::try_from(dy.abs()).ok()?).copied()
 }
 
 fn eroded(window: &VecDeque<(i32, Vec<Run>)>, row: i32, half_widths: &[i32]) -> Vec<Run> {
     let mut left: Option<Vec<Run>> = None;
     for (at, runs) in window {
-        let Some(half) = usize::try_from((at - row).abs()).ok().and_then(|dy| half_widths.get(dy)) else {
-            continue;
-        };
-        let runs = shrunk(runs, *half);
+        let Some(half) = half_width(half_widths, at - row) else { continue };
+        let runs = shrunk(runs, half);
         left = Some(match left {
             Some(left) => intersection(&left, &runs),
             None => runs,

@@ -45,8 +45,9 @@ proptest::proptest! {
             .copied()
             .collect();
         assert_eq!(runs.border().into_iter().collect::<BTreeSet<_>>(), border);
-        for x in -13..13 {
-            assert_eq!(runs.contains([x, 3]), set.contains(&[x, 3]));
+        for (first, last) in [(-13, 13), (-4, 3), (2, 2)] {
+            let columns = (first..last).filter(|x| set.contains(&[*x, 3]));
+            assert!(runs.columns(3, first, last).eq(columns));
         }
         let gone: Vec<[i32; 2]> = gone.into_iter().map(|(x, y)| [x, y]).collect();
         let left: BTreeSet<[i32; 2]> = set.iter().filter(|p| !gone.contains(p)).copied().collect();
