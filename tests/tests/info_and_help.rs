@@ -78,13 +78,30 @@ fn help_names_every_option() {
         "--threads",
         "--quiet",
     ];
-    let commands: [(&str, Vec<&str>); 5] = [
+    let commands: [(&str, Vec<&str>); 7] = [
         ("extract", [&extract[..], &read].concat()),
         ("tune", [&tune[..], &read].concat()),
         ("info", read.to_vec()),
         (
             "synth",
-            vec!["--out", "--points", "--sigma", "--seed", "--quiet", "table", "desk", "room", "corridor"],
+            vec![
+                "--out", "--points", "--sigma", "--seed", "--quiet", "table", "desk", "strip", "patch",
+                "room", "corridor",
+            ],
+        ),
+        ("eval", vec!["--field", "--pred-planes", "--truth-planes", "--per-plane", "--json", "--quiet"]),
+        (
+            "calibrate",
+            vec![
+                "--scene",
+                "--labels",
+                "--copies",
+                "--unstated",
+                "--pose-sigma",
+                "--views",
+                "--floor",
+                "--out",
+            ],
         ),
         ("reproduce", vec!["--out", "--data", "--seed", "--seeds", "--intrinsics", "--quiet"]),
     ];
@@ -104,7 +121,7 @@ fn help_names_every_option() {
 #[test]
 fn synthetic_counts_agree() {
     let folder = tempfile::tempdir().unwrap();
-    for scene in ["table", "desk", "room", "corridor"] {
+    for scene in ["table", "desk", "strip", "patch", "room", "corridor"] {
         let out = folder.path().join(scene);
         let text = out.to_str().unwrap();
         let run = terrace(["synth", scene, "--points", "9000", "--out", text]).ended_with(0);
