@@ -51,7 +51,7 @@
 //!
 //! # Accuracy
 //! Rectangles, L-shapes, discs and plates with round holes, points on a grid or at random, eight turns: with pixels of
-//! one and a half spacings borders lie 0.15 to 0.25 pixels outside, with two spacings 0 to 0.15, with smaller pixels up to
+//! one and a half spacings borders lie 0.15 to 0.25 pixels outside, with two spacings up to 0.2, with smaller pixels up to
 //! half a spacing inside. A rectangle of 4 × 2.5 m has its area to 0.5 % with points every centimetre, to 3.5 % with
 //! points every 5 cm. The example `accuracy` prints the table. Corners that turn inwards are rounded by half the gap, and
 //! what is narrower than a pixel is not seen. Points that scatter along the border blur it; where they are dense it comes
