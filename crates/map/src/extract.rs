@@ -65,7 +65,8 @@ impl Mapper {
         let labels: Vec<_> =
             self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
         face_sensors(&mut planes, &labels, self.views());
-        let noise = estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node);
+        let noise =
+            estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau);
         let cells = nodes
             .stats
             .iter()

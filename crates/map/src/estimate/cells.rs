@@ -40,8 +40,13 @@ impl Mapper {
         let (grid, used) = used_of(self)?;
         let nodes = Nodes::of(grid, used.tau, params);
         let floor = params.estimate.map_or(0.0, |settings| settings.floor);
-        let mut owned =
-            Owned { grid, nodes: &nodes, plane_of_cell: &[], errors: Errors::of(self, &nodes, floor) };
+        let mut owned = Owned {
+            grid,
+            nodes: &nodes,
+            plane_of_cell: &[],
+            tau: used.tau,
+            errors: Errors::of(self, &nodes, floor),
+        };
         let mut possible = params.estimate.is_some()
             && params.assignment == Assignment::Voxel
             && params.weighting == Weighting::Uniform;
@@ -95,6 +100,6 @@ impl Owned<'_> {
         let counts = columns.block(columns.place(key), depth);
         let mut found = columns.fit(&counts, near.normal)?;
         columns.take_back_cuts(&counts, &mut found, self.grid.cell_size());
-        PlaneEstimate::of(&self.complete(found, &columns, &counts), fitted.fit.normal)
+        PlaneEstimate::of(&self.complete(found, &columns, &counts)?, fitted.fit.normal)
     }
 }

@@ -27,6 +27,9 @@ use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
 const CORE_ROUNDS: usize = 10;
+/// Cells are taken for their number of points, which near their faces depends on the errors: columns hold so many times the
+/// density threshold, on average, for that not to matter.
+const DENSE: f64 = 2.0;
 /// What is left of a plane tells of it when it is at least so many columns, and at least one in so many.
 const FEWEST_COLUMNS: usize = 4;
 const SMALLEST_SHARE: usize = 5;
@@ -124,6 +127,8 @@ pub(crate) struct Owned<'g> {
     pub(crate) nodes: &'g Nodes,
     /// By cell.
     pub(crate) plane_of_cell: &'g [Option<PlaneId>],
+    /// The density threshold.
+    pub(crate) tau: u64,
     pub(crate) errors: Errors<'g>,
 }
 
@@ -136,6 +141,7 @@ pub(crate) fn estimate_planes(
     nodes: &Nodes,
     plane_of_cell: &[Option<PlaneId>],
     plane_of_node: &[Option<PlaneId>],
+    tau: u64,
 ) -> Option<NoiseLevel> {
     let Params {
         estimate: Some(settings), assignment: Assignment::Voxel, weighting: Weighting::Uniform, ..
@@ -150,7 +156,7 @@ pub(crate) fn estimate_planes(
         }
     }
     let errors = Errors::of(mapper, nodes, settings.floor);
-    let mut cells = Owned { grid, nodes, plane_of_cell, errors };
+    let mut cells = Owned { grid, nodes, plane_of_cell, tau, errors };
     let level = if nodes.know_errors() { None } else { Some(cells.level_of_cells(planes, &nodes_of)?) };
     let mut columns: Vec<(Near, Columns)> = planes
         .par_iter()
@@ -265,11 +271,11 @@ impl Owned<'_> {
         if supporting < FEWEST_COLUMNS || SMALLEST_SHARE * supporting < of_plane {
             return None;
         }
-        Some(self.complete(found, columns, &counts))
+        self.complete(found, columns, &counts)
     }
 
     /// The covariance with all that the points' errors do not tell.
-    fn complete(&self, mut plane: CovariantPlane, columns: &Columns, counts: &[bool]) -> Found {
+    fn complete(&self, mut plane: CovariantPlane, columns: &Columns, counts: &[bool]) -> Option<Found> {
         let residuals = columns.chi_squared(counts, &plane, self.errors.floor);
         let growth = residuals
             .iter()
@@ -287,15 +293,19 @@ impl Owned<'_> {
         // Only centres are moved: across a strip of one row of columns, they say nothing of what moves the plane.
         let sums: Vec<Stats> =
             supporting.clone().map(|column| Stats::from_moments(columns.anchor, column.sum)).collect();
+        let points: u64 = sums.iter().map(Stats::count).sum();
+        if (points as f64) < DENSE * self.tau as f64 * sums.len() as f64 {
+            return None;
+        }
         let min_max = min_max(&sums, FitTo::Points)
             .ok()
             .filter(|_| columns.spread_along(counts, plane.fit.axes[1]) >= CENTRES * plane.fit.variances[1]);
-        Found {
+        Some(Found {
             plane,
             reduced_chi_squared,
             growth,
             min_max: min_max.map(|found| found.uncertainty),
             columns: sums.len(),
-        }
+        })
     }
 }
