@@ -1,6 +1,11 @@
 //! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux.
 
+pub mod labelled;
+pub mod overlap;
+pub mod peers;
 pub mod scenes;
+mod score;
 mod usage;
 
+pub use score::{Score, value};
 pub use usage::{Usage, UsageError};
