@@ -2,6 +2,7 @@
 
 use foldhash::fast::FixedState;
 use hashbrown::HashMap;
+use terrace_noise::PoseNoise;
 use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
 use terrace_types::Scan;
@@ -26,7 +27,8 @@ pub struct CellSizeChoice {
     /// Median distance between neighbouring points, as if they lay on a square lattice: `d₈ √(π/8)` with `d₈` the
     /// distance of the eighth neighbour.
     pub spacing: f64,
-    /// Median standard error: the larger of what the scan states and the rms distance of a point's thirty neighbours
+    /// Median standard error (of an uncertain pose, that of nine points in ten): the larger of what is stated of points and pose
+    /// together and the rms distance of a point's thirty neighbours
     /// from their plane. Neighbours show noise of up to about twice the spacing; state it when it is larger. Scans of
     /// fewer than sixty points show none.
     pub sigma: f64,
@@ -35,6 +37,12 @@ pub struct CellSizeChoice {
 /// Chooses a cell size for scans like this one, from 256 places spread evenly over its points. `None` when there are
 /// too few points, or most are in one place.
 pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
+    choose_from(scan, None)
+}
+
+/// As [`choose_cell_size`], for a scan whose pose is only known to within `pose`: its errors count as the points' own, for
+/// scans lie as far apart.
+pub(crate) fn choose_from(scan: &Scan, pose: Option<&PoseNoise>) -> Option<CellSizeChoice> {
     let points: Vec<[f64; 3]> =
         scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
     if points.len() <= NEAR {
@@ -52,7 +60,7 @@ pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
         if most(&spacings) && (most(&noises) || points.len() < 2 * PATCH) {
             let spacing = median(&mut spacings)?;
             let seen = median(&mut noises).unwrap_or(0.0);
-            let sigma = seen.max(stated_sigma(scan));
+            let sigma = seen.max(stated_sigma(scan, pose));
             let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
             return (cell_size.is_normal() && spacing > 0.0).then_some(CellSizeChoice {
                 cell_size,
@@ -142,14 +150,25 @@ fn noise_of(sample: &[f64; 3], near: &[(f64, [f64; 3])]) -> Option<f64> {
     Some(variance.sqrt())
 }
 
-fn stated_sigma(scan: &Scan) -> f64 {
+fn stated_sigma(scan: &Scan, pose: Option<&PoseNoise>) -> f64 {
+    let of_pose = |position| {
+        let shared = pose.and_then(|pose| pose.at(scan.sensor_position()?, position));
+        shared.map_or([0.0; 3], |covariance| covariance.deviations())
+    };
     let stride = scan.len().div_ceil(SAMPLES).max(1);
     let mut sigmas: Vec<f64> = (0..scan.len())
         .step_by(stride)
-        .filter_map(|i| scan.world_point(i)?.sigma)
+        .filter_map(|i| {
+            let point = scan.world_point(i)?;
+            let (own, shared) = (point.sigma.unwrap_or([0.0; 3]), of_pose(point.position));
+            (point.sigma.is_some() || pose.is_some()).then(|| [0, 1, 2].map(|i| own[i].hypot(shared[i])))
+        })
         .map(|s| s[0].max(s[1]).max(s[2]))
         .collect();
-    median(&mut sigmas).unwrap_or(0.0)
+    // Where scans lie apart by the errors of their poses, most of them must fit into a cell, not half.
+    let rank = if pose.is_some() { sigmas.len() * 9 / 10 } else { sigmas.len() / 2 };
+    sigmas.sort_by(f64::total_cmp);
+    sigmas.get(rank).copied().unwrap_or(0.0)
 }
 
 fn median(values: &mut [f64]) -> Option<f64> {

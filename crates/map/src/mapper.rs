@@ -5,7 +5,8 @@ use terrace_noise::PoseNoise;
 use terrace_stats::{SymmetricMatrix3, UncertainVector};
 use terrace_types::{Scan, WorldPoint};
 
-use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting, choose_cell_size};
+use crate::cell_size::choose_from;
+use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting};
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
 #[derive(Debug, Clone)]
@@ -122,8 +123,8 @@ impl Mapper {
             (Some(grid), _) => (self.chosen, grid.cell_size()),
             (None, Some(size)) => (None, size),
             (None, None) => {
-                let choice =
-                    choose_cell_size(scan).ok_or(InsertError::NoCellSize { present: scan.present() })?;
+                let choice = choose_from(scan, pose.as_ref())
+                    .ok_or(InsertError::NoCellSize { present: scan.present() })?;
                 (Some(choice), choice.cell_size)
             }
         };
