@@ -48,7 +48,7 @@ const SIGNIFICANT: f64 = 3.0;
 ///
 /// # What is covered
 /// * Errors of points, independent of each other, of any covariance each. To first order: they are to be small against the
-///   plane, and below about a sixth of a cell.
+///   plane, and below about a sixth of a cell, those of poses at their distance included.
 /// * Errors of poses, which all points of a scan share ([`Mapper::insert_from`]), and a floor below which nothing averages
 ///   out ([`Estimate::floor`](crate::Estimate::floor)).
 /// * Residuals larger than all of these say, as far as they show within the plane: [`growth`](Self::growth).
