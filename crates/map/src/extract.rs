@@ -5,6 +5,7 @@ use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
+use crate::confirm::Candidates;
 use crate::estimate::estimate_planes;
 use crate::facing::face_sensors;
 use crate::first::First;
@@ -57,16 +58,27 @@ impl Mapper {
 
         begins(Stage::Label { points: self.len() });
         let First { grid, nodes, used, clustered, .. } = first;
-        let (mut planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
+        let (mut planes, mut plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
         let mut plane_of_cell = vec![None; grid.len()];
         for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
             plane_of_cell[cell.index()] = *plane;
         }
-        let labels: Vec<_> =
-            self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
-        face_sensors(&mut planes, &labels, self.views());
-        let noise =
+        let errors =
             estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau);
+        let labels: Vec<_> = match (&errors, self.params().confirm) {
+            (Some(errors), Some(confirm)) => {
+                let found = Candidates { mapper: self, grid, nodes: &nodes, errors, confirm };
+                found.confirm(&mut planes, &mut plane_of_node, &plane_of_cell)
+            }
+            _ => self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect(),
+        };
+        face_sensors(&mut planes, &labels, self.views());
+        if self.params().estimate.is_none() {
+            for plane in &mut planes {
+                plane.estimate = None;
+            }
+        }
+        let noise = errors.and_then(|errors| errors.level);
         let cells = nodes
             .stats
             .iter()

@@ -27,6 +27,9 @@ pub(crate) fn face_sensors(planes: &mut [ExtractedPlane], labels: &[Option<Plane
     for (plane, votes) in planes.iter_mut().zip(in_front) {
         if votes < 0 {
             plane.plane = plane.plane.flipped();
+            if let Some(estimate) = &mut plane.estimate {
+                estimate.plane = plane.plane;
+            }
         }
     }
 }

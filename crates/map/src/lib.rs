@@ -47,6 +47,7 @@
 //! label; points too far away for the grid are counted and left out ([`Inserted`]). Nothing panics.
 
 mod cell_size;
+mod confirm;
 mod cost;
 mod error;
 mod estimate;
@@ -69,7 +70,7 @@ pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
-pub use params::{Estimate, Optimise, Params, Search, Weighting};
+pub use params::{Confirm, Estimate, Optimise, Params, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
 pub use uncertain::{UncertainCluster, UncertainClusters};
 

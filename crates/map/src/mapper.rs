@@ -16,6 +16,8 @@ pub struct Mapper {
     grid: Option<VoxelGrid>,
     /// The cell of every point so far, scan after scan; `None` for points that were left out.
     cell_of_point: Vec<Option<CellId>>,
+    /// Where each point is, from the centre of its voxel, where labels are those of points.
+    places: Vec<[f32; 3]>,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
 }
@@ -49,7 +51,7 @@ impl Mapper {
     /// [`ParamsError`] when a parameter cannot be used.
     pub fn new(params: Params) -> Result<Self, ParamsError> {
         params.validate()?;
-        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), views: Vec::new() })
+        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), places: Vec::new(), views: Vec::new() })
     }
 
     /// Changes how the next extractions search for φ; the points need not be inserted again.
@@ -97,6 +99,10 @@ impl Mapper {
         &self.views
     }
 
+    pub(crate) fn places(&self) -> &[[f32; 3]] {
+        &self.places
+    }
+
     /// Adds the points of a scan.
     ///
     /// # Errors
@@ -136,6 +142,10 @@ impl Mapper {
         let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
         self.views.push(View { points: scan.len(), sensor: scan.sensor_position(), pose });
         self.cell_of_point.reserve(scan.len());
+        let confirmed = self.params.confirms();
+        if confirmed {
+            self.places.reserve(scan.len());
+        }
         for point in scan.world_points() {
             let cell = match point {
                 None => {
@@ -153,6 +163,14 @@ impl Mapper {
             };
             inserted.points += usize::from(cell.is_some());
             self.cell_of_point.push(cell);
+            if confirmed {
+                let centre = cell.and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
+                self.places.push(centre.zip(point).map_or([0.0; 3], |(centre, point)| {
+                    // A thousandth of a per mille of a cell is enough.
+                    #[allow(clippy::cast_possible_truncation)]
+                    [0, 1, 2].map(|i| (point.position[i] - centre[i]) as f32)
+                }));
+            }
         }
         self.grid = Some(grid);
         Ok(inserted)

@@ -51,6 +51,10 @@ pub struct Params {
     /// ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)); `None` leaves planes as fitted by least squares.
     /// Not for the paper's way of finding cells, whose points are not those of a place, and not for weighted points.
     pub estimate: Option<Estimate>,
+    /// Keep planes that are sure enough, and label points one by one, by their distance; `None` reports every cluster as a plane
+    /// and gives points the label of their cell. Like covariances, not for the paper's way of finding cells, and not for weighted
+    /// points.
+    pub confirm: Option<Confirm>,
     /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
     /// Seed of everything random.
@@ -78,6 +82,24 @@ pub struct Estimate {
     /// Standard error, in metres, that does not average out over the points of a plane: of the sensor's distortion, its
     /// calibration, of surfaces that are not flat. It counts as that of one single point.
     pub floor: f64,
+}
+
+/// Which planes are kept, and which points are theirs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Confirm {
+    /// Planes whose orientation has a larger standard error, in radians, in the direction in which it is least sure, are not
+    /// reported: strips along edges, scraps, and patches of curved surfaces are as uncertain.
+    pub tilt: f64,
+    /// A point is of the plane it is nearest to in standard errors, at most so many, of those of its cell and the cells around.
+    pub distance: f64,
+    /// Planes that keep a smaller share of the points of their cells, because others are nearer, are not reported.
+    pub share: f64,
+}
+
+impl Default for Confirm {
+    fn default() -> Self {
+        Self { tilt: 0.01, distance: 3.5, share: 0.5 }
+    }
 }
 
 /// How the φ of least cost is searched. Both use that a clustering holds on a whole interval of φ.
@@ -141,6 +163,7 @@ impl Default for Params {
             random_seeds: false,
             optimise: Some(Optimise::default()),
             estimate: Some(Estimate::default()),
+            confirm: Some(Confirm::default()),
             min_cells: 5,
             seed: 0,
         }
@@ -155,9 +178,20 @@ impl Params {
             fit: FitTo::Centres,
             random_seeds: true,
             estimate: None,
+            confirm: None,
             optimise: Some(Optimise { search: Search::PAPER, ..Optimise::default() }),
             ..Self::default()
         }
+    }
+
+    /// Whether points are those of the place of their cell, each with weight 1: what covariances and labels of points need.
+    pub(crate) fn by_place(&self) -> bool {
+        self.assignment == Assignment::Voxel && self.weighting == Weighting::Uniform
+    }
+
+    /// Whether planes are confirmed.
+    pub(crate) fn confirms(&self) -> bool {
+        self.confirm.is_some() && self.by_place()
     }
 
     /// The order in which cells found clusters.
@@ -191,7 +225,26 @@ impl Params {
         {
             return Err(ParamsError::new("estimate.floor", floor, "a finite length in metres, from 0"));
         }
+        if let Some(confirm) = self.confirm {
+            confirm.validate()?;
+        }
         self.optimise.map_or(Ok(()), |optimise| optimise.validate())
+    }
+}
+
+impl Confirm {
+    fn validate(&self) -> Result<(), ParamsError> {
+        let positive = |x: f64| x > 0.0 && !x.is_nan();
+        if !positive(self.tilt) {
+            return Err(ParamsError::new("confirm.tilt", self.tilt, "above 0"));
+        }
+        if !positive(self.distance) {
+            return Err(ParamsError::new("confirm.distance", self.distance, "above 0"));
+        }
+        if !(0.0..=1.0).contains(&self.share) {
+            return Err(ParamsError::new("confirm.share", self.share, "from 0 to 1"));
+        }
+        Ok(())
     }
 }
 

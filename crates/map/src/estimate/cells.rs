@@ -1,7 +1,7 @@
 //! The plane around each dense cell, with both measures of how sure it is.
 
 use rayon::prelude::*;
-use terrace_grid::{Assignment, CellId, VoxelKey, Walk};
+use terrace_grid::{CellId, VoxelKey, Walk};
 use terrace_normals::UncertainNormal;
 
 use super::columns::Near;
@@ -9,7 +9,7 @@ use super::level::{NoiseLevel, Residuals};
 use super::{Errors, Owned, PlaneEstimate};
 use crate::first::used_of;
 use crate::nodes::Nodes;
-use crate::{ExtractError, Mapper, Weighting};
+use crate::{ExtractError, Mapper};
 
 /// A dense cell and the plane through its neighbourhood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,9 +47,7 @@ impl Mapper {
             tau: used.tau,
             errors: Errors::of(self, &nodes, floor),
         };
-        let mut possible = params.estimate.is_some()
-            && params.assignment == Assignment::Voxel
-            && params.weighting == Weighting::Uniform;
+        let mut possible = params.estimate.is_some() && params.by_place();
         if possible && !nodes.know_errors() {
             owned.errors.level = owned.level_of_neighbourhoods();
             possible = owned.errors.level.is_some();
@@ -69,7 +67,7 @@ impl Mapper {
     }
 }
 
-impl Owned<'_> {
+impl Owned<'_, '_> {
     /// The level of noise that cells show along their normals.
     fn level_of_neighbourhoods(&self) -> Option<NoiseLevel> {
         let mut residuals = Residuals::default();

@@ -89,7 +89,7 @@ pub(crate) struct Sides {
 
 /// What the columns of a plane are made from.
 struct Building<'a> {
-    owned: &'a Owned<'a>,
+    owned: &'a Owned<'a, 'a>,
     plane: Option<PlaneId>,
     level: Option<&'a NoiseLevel>,
     axis: usize,
@@ -104,7 +104,7 @@ struct Member {
     node: u32,
 }
 
-impl Owned<'_> {
+impl Owned<'_, '_> {
     /// The columns with cells of the plane, in a fixed order.
     pub(crate) fn columns(
         &self,

@@ -10,14 +10,14 @@ mod support;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use terrace_grid::{Assignment, VoxelGrid};
+use terrace_grid::VoxelGrid;
 use terrace_normals::{CovariantPlane, FitTo, estimate as min_max};
 use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::{Plane, PlaneId};
 
 use crate::mapper::View;
 use crate::nodes::Nodes;
-use crate::{ExtractedPlane, Mapper, Params, Weighting};
+use crate::{ExtractedPlane, Mapper};
 
 pub use cells::CellPlane;
 use columns::{Columns, Near};
@@ -34,7 +34,7 @@ const DENSE: f64 = 2.0;
 const FEWEST_COLUMNS: usize = 4;
 const SMALLEST_SHARE: usize = 5;
 /// What scatters by more than this, in units of the variance usual in the map, is no plane: a strip along an edge, say.
-const ROUGHEST: f64 = 2.0;
+pub(crate) const ROUGHEST: f64 = 2.0;
 /// The share of the points' variance across a plane that lies between columns, at least, for their min-max to be told.
 const CENTRES: f64 = 0.6;
 /// What lies on a plane is looked for near the plane before, so many times.
@@ -83,6 +83,13 @@ pub struct PlaneEstimate {
 }
 
 impl PlaneEstimate {
+    /// The standard error of the orientation where it is least sure, in radians.
+    pub fn largest_tilt(&self) -> f64 {
+        let [[a, b, _], [_, c, _], _] = self.tilt_offset;
+        let middle = f64::midpoint(a, c);
+        (middle + (0.5 * (a - c)).hypot(b)).max(0.0).sqrt()
+    }
+
     /// With the normal on the side of `normal`.
     fn of(found: &Found, normal: [f64; 3]) -> Option<Self> {
         let fit = found.plane.fit;
@@ -117,38 +124,37 @@ pub(crate) struct Errors<'m> {
     /// Where each cell was seen from, where that matters.
     sightings: Option<Sightings>,
     /// Found from the residuals, where no error is given.
-    level: Option<NoiseLevel>,
+    pub(crate) level: Option<NoiseLevel>,
     floor: f64,
 }
 
 /// The cells of a grid, which plane each is of, and their errors.
-pub(crate) struct Owned<'g> {
+pub(crate) struct Owned<'g, 'm> {
     pub(crate) grid: &'g VoxelGrid,
     pub(crate) nodes: &'g Nodes,
     /// By cell.
     pub(crate) plane_of_cell: &'g [Option<PlaneId>],
     /// The density threshold.
     pub(crate) tau: u64,
-    pub(crate) errors: Errors<'g>,
+    pub(crate) errors: Errors<'m>,
 }
 
 /// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
 /// each with weight 1. Gives back the errors, when they had to be found out.
-pub(crate) fn estimate_planes(
+pub(crate) fn estimate_planes<'m>(
     planes: &mut [ExtractedPlane],
-    mapper: &Mapper,
+    mapper: &'m Mapper,
     grid: &VoxelGrid,
     nodes: &Nodes,
     plane_of_cell: &[Option<PlaneId>],
     plane_of_node: &[Option<PlaneId>],
     tau: u64,
-) -> Option<NoiseLevel> {
-    let Params {
-        estimate: Some(settings), assignment: Assignment::Voxel, weighting: Weighting::Uniform, ..
-    } = mapper.params()
-    else {
+) -> Option<Errors<'m>> {
+    let params = mapper.params();
+    if !params.by_place() || (params.estimate.is_none() && params.confirm.is_none()) {
         return None;
-    };
+    }
+    let settings = params.estimate.unwrap_or_default();
     let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); planes.len()];
     for (node, plane) in (0..).zip(plane_of_node) {
         if let Some(nodes) = plane.and_then(|plane| nodes_of.get_mut(plane.index())) {
@@ -157,7 +163,10 @@ pub(crate) fn estimate_planes(
     }
     let errors = Errors::of(mapper, nodes, settings.floor);
     let mut cells = Owned { grid, nodes, plane_of_cell, tau, errors };
-    let level = if nodes.know_errors() { None } else { Some(cells.level_of_cells(planes, &nodes_of)?) };
+    let level = if nodes.know_errors() { None } else { cells.level_of_cells(planes, &nodes_of) };
+    if level.is_none() && !nodes.know_errors() {
+        return Some(cells.errors);
+    }
     let mut columns: Vec<(Near, Columns)> = planes
         .par_iter()
         .zip(&nodes_of)
@@ -187,11 +196,11 @@ pub(crate) fn estimate_planes(
             plane.plane = estimate.plane;
         }
     }
-    cells.errors.level
+    Some(cells.errors)
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.
-fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
+pub(crate) fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
     let mut seen: Vec<(f64, u64)> =
         planes.iter().filter_map(|plane| Some((plane.estimate?.reduced_chi_squared, plane.points))).collect();
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -214,7 +223,7 @@ impl<'m> Errors<'m> {
     }
 }
 
-impl Owned<'_> {
+impl Owned<'_, '_> {
     /// The level of noise that the cells of planes show.
     fn level_of_cells(&self, planes: &[ExtractedPlane], nodes_of: &[Vec<u32>]) -> Option<NoiseLevel> {
         let mut residuals = Residuals::default();
