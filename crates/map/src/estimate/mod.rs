@@ -140,7 +140,7 @@ pub(crate) struct Owned<'g, 'm> {
 }
 
 /// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
-/// each with weight 1. Gives back the errors, when they had to be found out.
+/// each with weight 1. Gives back the errors, and for each plane the nodes that lie off it as a whole.
 pub(crate) fn estimate_planes<'m>(
     planes: &mut [ExtractedPlane],
     mapper: &'m Mapper,
@@ -149,7 +149,7 @@ pub(crate) fn estimate_planes<'m>(
     plane_of_cell: &[Option<PlaneId>],
     plane_of_node: &[Option<PlaneId>],
     tau: u64,
-) -> Option<Errors<'m>> {
+) -> Option<(Errors<'m>, Vec<Vec<u32>>)> {
     let params = mapper.params();
     if !params.by_place() || (params.estimate.is_none() && params.confirm.is_none()) {
         return None;
@@ -165,7 +165,7 @@ pub(crate) fn estimate_planes<'m>(
     let mut cells = Owned { grid, nodes, plane_of_cell, tau, errors };
     let level = if nodes.know_errors() { None } else { cells.level_of_cells(planes, &nodes_of) };
     if level.is_none() && !nodes.know_errors() {
-        return Some(cells.errors);
+        return Some((cells.errors, vec![Vec::new(); planes.len()]));
     }
     let mut columns: Vec<(Near, Columns)> = planes
         .par_iter()
@@ -185,10 +185,21 @@ pub(crate) fn estimate_planes<'m>(
         columns.par_iter_mut().for_each(|(near, columns)| columns.take_level(near, &level, &cells.errors));
         cells.errors.level = Some(level);
     }
-    planes.par_iter_mut().zip(&columns).for_each(|(plane, (near, columns))| {
-        let found = cells.estimate(columns, near);
-        plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
-    });
+    let layers = planes
+        .par_iter_mut()
+        .zip(&columns)
+        .zip(&nodes_of)
+        .map(|((plane, (near, columns)), of)| {
+            let Some((near, found)) = cells.estimate(columns, near) else { return Vec::new() };
+            plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
+            let off = columns.off(&near, cells.errors.floor);
+            let lies_off = |node: &&u32| {
+                let key = cells.nodes.dense.keys().get(**node as usize);
+                key.and_then(|key| columns.find(columns.place(*key))).is_some_and(|at| off[at])
+            };
+            of.iter().filter(lies_off).copied().collect()
+        })
+        .collect();
     let limit = ROUGHEST * usual_chi_squared(planes);
     for plane in planes {
         plane.estimate = plane.estimate.filter(|estimate| estimate.reduced_chi_squared <= limit);
@@ -196,7 +207,7 @@ pub(crate) fn estimate_planes<'m>(
             plane.plane = estimate.plane;
         }
     }
-    Some(cells.errors)
+    Some((cells.errors, layers))
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.
@@ -239,7 +250,8 @@ impl Owned<'_, '_> {
         NoiseLevel::of(&residuals)
     }
 
-    /// The plane of least variance through the columns, near a plane; `None` when no error
+    /// The plane that the larger part of the columns lies on, and, where it is determined well enough, that of least variance with
+    /// its covariance. `None` when no error
     /// is known, or what is left of the cells determines none.
     ///
     /// # Algorithm
@@ -252,7 +264,7 @@ impl Owned<'_, '_> {
     ///    side in, those to the other out. What that adds to the sums is known, `∓ d/ξ nᵀ C e` for a face across the axis e of a
     ///    column of d points, and is taken back.
     /// 4. The covariance of the points' errors grows with the residuals; those of the poses and the floor are added.
-    fn estimate(&self, columns: &Columns, near: &Near) -> Option<Found> {
+    fn estimate(&self, columns: &Columns, near: &Near) -> Option<(Near, Option<Found>)> {
         let floor = self.errors.floor;
         let fit = |counts: &[bool], near: &Near| {
             let mut found = columns.fit(counts, near.normal)?;
@@ -271,16 +283,23 @@ impl Owned<'_, '_> {
             if estimate.as_ref().is_some_and(|(_, before)| *before == counts) {
                 break;
             }
-            let (better, found) = fit(&counts, &near)?;
+            let Some((better, found)) = fit(&counts, &near) else {
+                estimate = None;
+                break;
+            };
             near = better;
             estimate = Some((found, counts));
         }
-        let (found, counts) = estimate?;
-        let (of_plane, supporting) = (columns.of_plane(), columns.counted(&counts).count());
+        Some((near, estimate.and_then(|(found, counts)| self.supported(found, columns, &counts))))
+    }
+
+    /// The estimate, if it rests on enough.
+    fn supported(&self, found: CovariantPlane, columns: &Columns, counts: &[bool]) -> Option<Found> {
+        let (of_plane, supporting) = (columns.of_plane(), columns.counted(counts).count());
         if supporting < FEWEST_COLUMNS || SMALLEST_SHARE * supporting < of_plane {
             return None;
         }
-        self.complete(found, columns, &counts)
+        self.complete(found, columns, counts)
     }
 
     /// The covariance with all that the points' errors do not tell.

@@ -13,6 +13,8 @@ const DEVIATIONS: f64 = 4.0;
 const ROUGH: f64 = 2.0;
 /// Columns that deviate by no more of their usual deviation are most likely of it.
 const CORE: f64 = 2.0;
+/// A layer is so many standard errors of points off, at least: less is what sensors bend a surface by.
+const APART: f64 = 2.5;
 /// The median of χ² of one degree of freedom.
 const MEDIAN: f64 = 0.4549;
 
@@ -31,6 +33,19 @@ impl Columns {
         self.apart(self.all.iter().zip(&deviations).map(|(column, deviation)| {
             deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), DEVIATIONS))
         }))
+    }
+
+    /// Which columns lie off the plane as a whole, as flat as those on it and further than single points do: another layer.
+    pub(crate) fn off(&self, near: &Near, floor: f64) -> Vec<bool> {
+        let deviations = self.deviations(near, floor);
+        let usual = Usual::of(&deviations);
+        let off = |(column, deviation): (&Column, &Option<Deviation>)| {
+            let flat = |d: &Deviation| usual.scatters(d, column.sum.count(), DEVIATIONS);
+            deviation.as_ref().is_some_and(|d| {
+                d.mean > DEVIATIONS * DEVIATIONS * usual.mean && d.off > APART * APART && flat(d)
+            })
+        };
+        self.all.iter().zip(&deviations).map(off).collect()
     }
 
     /// Which columns lie on the plane better than most do, where most do not lie as well as errors say: the plane may be off,
@@ -126,9 +141,12 @@ impl Usual {
 
     /// Whether a column of so many points is off by no more than so many standard errors.
     fn holds(&self, deviation: &Deviation, points: u64, errors: f64) -> bool {
-        deviation.mean <= errors * errors * self.mean
-            && deviation.scatter
-                <= self.scatter * (1.0 + errors.max(DEVIATIONS) * (2.0 / points as f64).sqrt())
+        deviation.mean <= errors * errors * self.mean && self.scatters(deviation, points, errors.max(DEVIATIONS))
+    }
+
+    /// Whether the points scatter about their mean by no more than so many standard errors above what is usual.
+    fn scatters(&self, deviation: &Deviation, points: u64, errors: f64) -> bool {
+        deviation.scatter <= self.scatter * (1.0 + errors * (2.0 / points as f64).sqrt())
     }
 }
 
