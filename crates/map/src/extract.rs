@@ -111,7 +111,7 @@ const LAYERS: usize = 4;
 fn layers_apart(
     planes: &[ExtractedPlane],
     plane_of_node: &[Option<PlaneId>],
-    layers: &[Vec<u32>],
+    layers: &[Vec<Vec<u32>>],
     nodes: &Nodes,
     min_cells: usize,
 ) -> Option<Vec<Part>> {
@@ -127,11 +127,11 @@ fn layers_apart(
     let mut apart = Vec::new();
     let mut moved = vec![false; nodes.dense.len()];
     for (part, layer) in parts.iter().zip(layers) {
-        for connected in components(layer, nodes).into_iter().filter(|c| c.len() >= min_cells) {
-            for node in &connected {
+        for layer in layer.iter().filter(|layer| layer.len() >= min_cells) {
+            for node in layer {
                 moved[*node as usize] = true;
             }
-            apart.push(Part { nodes: connected, ..part.clone() });
+            apart.push(Part { nodes: layer.clone(), ..part.clone() });
         }
     }
     if apart.is_empty() {
@@ -158,23 +158,6 @@ fn layers_apart(
         }
     }
     Some(parts)
-}
-
-/// Sets of nodes that are connected with each other.
-fn components(of: &[u32], nodes: &Nodes) -> Vec<Vec<u32>> {
-    let mut left: std::collections::BTreeSet<u32> = of.iter().copied().collect();
-    let mut found = Vec::new();
-    while let Some(first) = left.pop_first() {
-        let mut connected = vec![first];
-        let mut at = 0;
-        while let Some(node) = connected.get(at).copied() {
-            connected.extend(nodes.dense.neighbours(node as usize).iter().filter(|near| left.remove(near)));
-            at += 1;
-        }
-        connected.sort_unstable();
-        found.push(connected);
-    }
-    found
 }
 
 /// Splits the uncertain clusters at their own φ and keeps the others.

@@ -140,7 +140,7 @@ pub(crate) struct Owned<'g, 'm> {
 }
 
 /// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
-/// each with weight 1. Gives back the errors, and for each plane the nodes that lie off it as a whole.
+/// each with weight 1. Gives back the errors, and for each plane the nodes of other layers, layer by layer.
 pub(crate) fn estimate_planes<'m>(
     planes: &mut [ExtractedPlane],
     mapper: &'m Mapper,
@@ -149,7 +149,7 @@ pub(crate) fn estimate_planes<'m>(
     plane_of_cell: &[Option<PlaneId>],
     plane_of_node: &[Option<PlaneId>],
     tau: u64,
-) -> Option<(Errors<'m>, Vec<Vec<u32>>)> {
+) -> Option<(Errors<'m>, Vec<Vec<Vec<u32>>>)> {
     let params = mapper.params();
     if !params.by_place() || (params.estimate.is_none() && params.confirm.is_none()) {
         return None;
@@ -190,14 +190,28 @@ pub(crate) fn estimate_planes<'m>(
         .zip(&columns)
         .zip(&nodes_of)
         .map(|((plane, (near, columns)), of)| {
-            let Some((near, found)) = cells.estimate(columns, near) else { return Vec::new() };
+            let Some((near, found)) = cells.estimate(columns, near) else { return layers_of_nodes(0) };
             plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
-            let off = columns.off(&near, cells.errors.floor);
-            let lies_off = |node: &&u32| {
-                let key = cells.nodes.dense.keys().get(**node as usize);
-                key.and_then(|key| columns.find(columns.place(*key))).is_some_and(|at| off[at])
-            };
-            of.iter().filter(lies_off).copied().collect()
+            let layers = columns.layers(&near, cells.errors.floor);
+            if layers.is_empty() {
+                return layers_of_nodes(0);
+            }
+            let mut layer_of: Vec<Option<usize>> = vec![None; columns.all.len()];
+            for (number, layer) in layers.iter().enumerate() {
+                for at in layer {
+                    layer_of[*at] = Some(number);
+                }
+            }
+            let mut nodes_of = layers_of_nodes(layers.len());
+            for node in of {
+                let key = cells.nodes.dense.keys().get(*node as usize);
+                if let Some(layer) =
+                    key.and_then(|key| columns.find(columns.place(*key))).and_then(|at| layer_of[at])
+                {
+                    nodes_of[layer].push(*node);
+                }
+            }
+            nodes_of
         })
         .collect();
     let limit = ROUGHEST * usual_chi_squared(planes);
@@ -208,6 +222,10 @@ pub(crate) fn estimate_planes<'m>(
         }
     }
     Some((cells.errors, layers))
+}
+
+fn layers_of_nodes(layers: usize) -> Vec<Vec<u32>> {
+    vec![Vec::new(); layers]
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.

@@ -35,17 +35,57 @@ impl Columns {
         }))
     }
 
-    /// Which columns lie off the plane as a whole, as flat as those on it and further than single points do: another layer.
-    pub(crate) fn off(&self, near: &Near, floor: f64) -> Vec<bool> {
+    /// The columns of other layers, each layer by itself: columns that lie off the plane together, as flat as those on it, further
+    /// than single points do, and by a step. A surface that is bent leaves the plane without one.
+    pub(crate) fn layers(&self, near: &Near, floor: f64) -> Vec<Vec<usize>> {
         let deviations = self.deviations(near, floor);
         let usual = Usual::of(&deviations);
-        let off = |(column, deviation): (&Column, &Option<Deviation>)| {
-            let flat = |d: &Deviation| usual.scatters(d, column.sum.count(), DEVIATIONS);
-            deviation.as_ref().is_some_and(|d| {
-                d.mean > DEVIATIONS * DEVIATIONS * usual.mean && d.off > APART * APART && flat(d)
+        let off = |at: usize| {
+            deviations[at].as_ref().is_some_and(|d| {
+                d.mean > DEVIATIONS * DEVIATIONS * usual.mean
+                    && d.off > APART * APART
+                    && usual.scatters(d, self.all[at].sum.count(), DEVIATIONS)
             })
         };
-        self.all.iter().zip(&deviations).map(off).collect()
+        let on = |at: usize| {
+            deviations[at].as_ref().is_some_and(|d| usual.holds(d, self.all[at].sum.count(), DEVIATIONS))
+        };
+        let mut left: Vec<bool> = (0..self.all.len()).map(off).collect();
+        let mut layers = Vec::new();
+        for first in 0..self.all.len() {
+            if !std::mem::take(&mut left[first]) {
+                continue;
+            }
+            let (mut layer, mut at) = (vec![first], 0);
+            let mut steps = Vec::new();
+            while let Some(column) = layer.get(at).copied() {
+                for beside in self.around(column) {
+                    if std::mem::take(&mut left[beside]) {
+                        layer.push(beside);
+                    } else if on(beside) {
+                        // In standard errors of points, on which side of the plane either is.
+                        let side = |at: usize| self.height(at, near) / self.sigma(at, near);
+                        steps.push((side(column) - side(beside)).abs());
+                    }
+                }
+                at += 1;
+            }
+            if steps.is_empty() || median(steps.into_iter()) >= APART {
+                layer.sort_unstable();
+                layers.push(layer);
+            }
+        }
+        layers
+    }
+
+    /// Of the mean of a column over a plane.
+    fn height(&self, at: usize, near: &Near) -> f64 {
+        (self.all[at].mean() - self.through(near)).dot(near.normal)
+    }
+
+    /// Of a point of a column, along the normal.
+    fn sigma(&self, at: usize, near: &Near) -> f64 {
+        variance_along(&self.all[at].sum, near.normal).max(f64::MIN_POSITIVE).sqrt()
     }
 
     /// Which columns lie on the plane better than most do, where most do not lie as well as errors say: the plane may be off,
