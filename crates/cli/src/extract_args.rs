@@ -4,9 +4,11 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use terrace_noise::PoseSigma;
 
 use crate::args::{Cost, Preset, ReadArgs, SearchMethod};
+use crate::commands::extract::MeshFile;
 
 /// Arguments of `extract`.
 // Flags of a command line are independent of each other.
@@ -24,9 +26,11 @@ Examples:
       Clouds in the sensor's frame and a trajectory (TUM, KITTI, 4x4, Open3D log).
   terrace extract scans/*.pcd --poses poses.tum --sensor lidar:range=0.02,angle=0.1deg --pose-sigma 0.02,0.1deg --out planes
       The same with the errors of a lidar, and poses that are sure to 2 cm and 0.1 degrees.
+  terrace extract room.ply --out planes --extent --mesh room.glb --mesh room.obj
+      How far each plane reaches: polygons with holes and areas, and the planes as meshes for viewers.
 
 Written to DIR: planes.json (see docs/planes-json.md), labels.npy (one int32 per input point, all inputs in order, 0 is
-no plane), points.ply (coloured by plane).")]
+no plane), points.ply (coloured by plane). With --extent also extents.json (see docs/planes-json.md).")]
 pub struct ExtractArgs {
     /// Scans: files, folders or patterns. PLY, PCD, NPY, XYZ/CSV/TXT, 16-bit depth PNG
     #[arg(required = true, value_name = "INPUT")]
@@ -117,6 +121,18 @@ pub struct ExtractArgs {
         help_heading = "Output"
     )]
     pub up: Vector,
+    /// Also write the boundary polygons of the planes, with holes, into DIR/extents.json, and areas into planes.json
+    #[arg(long, help_heading = "Output")]
+    pub extent: bool,
+    /// Also write the planes as a mesh of triangles in the colours of points.ply, with areas into planes.json; the name
+    /// ends in .ply, .obj or .glb. Can be given several times
+    #[arg(
+        long,
+        value_name = "FILE",
+        value_parser = PathBufValueParser::new().try_map(MeshFile::new),
+        help_heading = "Output"
+    )]
+    pub mesh: Vec<MeshFile>,
     /// Do not write points.ply
     #[arg(long, help_heading = "Output")]
     pub no_points: bool,

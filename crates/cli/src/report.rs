@@ -2,21 +2,27 @@
 
 use serde_json::{Map, Value, json};
 use terrace::{
-    Assignment, CostForm, ExtractedPlane, FitTo, NoiseKnot, NoiseLevel, PlaneEstimate, PlaneMap, Search,
-    Weighting,
+    Assignment, CostForm, ExtractedPlane, FitTo, NoiseKnot, NoiseLevel, PlaneEstimate, PlaneId, PlaneMap,
+    Search, Weighting,
 };
 use terrace_io::planes_json::{
     OptimisedSummary, PhiInterval, PlaneRecord, PlanesFile, Summary, TiltOffset, Timings,
 };
 
-/// Everything `planes.json` holds. `extra` are parameters of the run that the map does not know.
-pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) -> PlanesFile {
+/// Everything `planes.json` holds. `extra` are parameters of the run that the map does not know, `area` is that of a plane in
+/// square metres, where it is known.
+pub fn planes_file(
+    map: &PlaneMap,
+    area: impl Fn(PlaneId) -> Option<f64>,
+    extra: Map<String, Value>,
+    timings: Timings,
+) -> PlanesFile {
     let summary = map.summary();
     let mut parameters = parameters(map);
     parameters.extend(extra);
     PlanesFile {
         parameters,
-        planes: map.planes.iter().map(record).collect(),
+        planes: map.planes.iter().map(|plane| record(plane, area(plane.id))).collect(),
         summary: Some(Summary {
             points: summary.points as u64,
             labelled: summary.labelled as u64,
@@ -28,7 +34,7 @@ pub fn planes_file(map: &PlaneMap, extra: Map<String, Value>, timings: Timings) 
     }
 }
 
-fn record(plane: &ExtractedPlane) -> PlaneRecord {
+fn record(plane: &ExtractedPlane, area: Option<f64>) -> PlaneRecord {
     let mut record = PlaneRecord::new(plane.id, &plane.plane, plane.points);
     record.centroid = Some(plane.centroid);
     record.normal_uncertainty = Some(plane.normal_uncertainty);
@@ -40,6 +46,7 @@ fn record(plane: &ExtractedPlane) -> PlaneRecord {
         record.min_max = estimate.min_max;
     }
     record.cells = Some(plane.cells as u64);
+    record.area = area;
     record.rms = Some(plane.rms);
     record.phi = Some(plane.phi);
     record.phi_interval = Some(PhiInterval { lo: plane.phi_interval.lo, hi: plane.phi_interval.hi });

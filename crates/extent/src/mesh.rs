@@ -36,6 +36,7 @@ pub struct Mesh {
 /// The vertices and triangles of one plane: those from where the part before ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Part {
+    pub(crate) number: u32,
     pub(crate) colour: [u8; 3],
     pub(crate) normal: [f64; 3],
     pub(crate) vertices: usize,
@@ -48,12 +49,27 @@ impl Mesh {
         Self::default()
     }
 
-    /// Adds the polygons of a plane in this colour: red, green and blue as screens show them (sRGB).
+    /// Adds the polygons of a plane in this colour: red, green and blue as screens show them (sRGB). Its number is one
+    /// more than that of the plane before, from 1.
+    ///
+    /// # Errors
+    /// As [`Mesh::add_numbered`].
+    pub fn add(&mut self, plane: &PlaneExtent, colour: [u8; 3]) -> Result<(), ExtentError> {
+        let number = self.parts.last().map_or(1, |part| part.number.saturating_add(1));
+        self.add_numbered(number, plane, colour)
+    }
+
+    /// Adds the polygons of a plane as [`Mesh::add`] does, under a number of your own: it names the plane in OBJ.
     ///
     /// # Errors
     /// [`ExtentError::TooManyVertices`] when indices of 32 bits run out, [`ExtentError::Triangulation`] when a polygon
     /// was not cut into triangles of its area; the mesh stays as it was.
-    pub fn add(&mut self, plane: &PlaneExtent, colour: [u8; 3]) -> Result<(), ExtentError> {
+    pub fn add_numbered(
+        &mut self,
+        number: u32,
+        plane: &PlaneExtent,
+        colour: [u8; 3],
+    ) -> Result<(), ExtentError> {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for polygon in plane.polygons() {
             let vertices = self.positions.len() + positions.len();
@@ -65,7 +81,8 @@ impl Mesh {
             positions.extend(points.iter().map(|p| plane.frame().to_world(*p)));
         }
         let normal = plane.frame().normal();
-        self.parts.push(Part { colour, normal, vertices: positions.len(), triangles: triangles.len() });
+        let (vertices, of_plane) = (positions.len(), triangles.len());
+        self.parts.push(Part { number, colour, normal, vertices, triangles: of_plane });
         self.positions.append(&mut positions);
         self.triangles.append(&mut triangles);
         Ok(())

@@ -27,7 +27,13 @@ fn record() -> impl Strategy<Value = PlaneRecord> {
         .prop_map(|(at, axes, matrix)| TiltOffset { at, axes, matrix });
     (
         (any::<u32>(), option::of("\\PC{0,8}"), prop::array::uniform4(number()), option::of(vector())),
-        (option::of(vector()), any::<u64>(), option::of(any::<u64>()), option::of(number())),
+        (
+            option::of(vector()),
+            any::<u64>(),
+            option::of(any::<u64>()),
+            option::of(number()),
+            option::of(number()),
+        ),
         (option::of(number()), option::of(interval)),
         (
             option::of(matrix),
@@ -51,6 +57,7 @@ fn record() -> impl Strategy<Value = PlaneRecord> {
             points: b.1,
             cells: b.2,
             rms: b.3,
+            area: b.4,
             phi: c.0,
             phi_interval: c.1,
         })
@@ -207,7 +214,7 @@ type Spoil = fn(&mut PlanesFile);
 
 #[test]
 fn nan_and_infinity_are_refused_by_name() {
-    let spoil: [(&str, Spoil); 13] = [
+    let spoil: [(&str, Spoil); 14] = [
         ("planes[0].coefficients", |f| f.planes[0].coefficients[3] = f64::NAN),
         ("planes[0].centroid", |f| f.planes[0].centroid = Some([f64::INFINITY; 3])),
         ("planes[0].normal_uncertainty", |f| f.planes[0].normal_uncertainty = Some([f64::NAN; 3])),
@@ -218,6 +225,7 @@ fn nan_and_infinity_are_refused_by_name() {
         ("planes[0].reduced_chi_squared", |f| f.planes[0].reduced_chi_squared = Some(f64::INFINITY)),
         ("planes[0].growth", |f| f.planes[0].growth = Some(f64::NAN)),
         ("planes[0].min_max", |f| f.planes[0].min_max = Some([0.0, 0.0, f64::NAN])),
+        ("planes[0].area", |f| f.planes[0].area = Some(f64::INFINITY)),
         ("planes[0].rms", |f| f.planes[0].rms = Some(f64::NEG_INFINITY)),
         ("planes[0].phi", |f| f.planes[0].phi = Some(f64::NAN)),
         ("planes[0].phi_interval", |f| {

@@ -96,6 +96,9 @@ pub struct Timings {
     pub optimise: f64,
     /// Labelling points.
     pub label: f64,
+    /// Outlining the planes; left out where that was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extent: Option<f64>,
     /// Writing the outputs before this file.
     pub write: f64,
     /// From start to end.
@@ -192,8 +195,10 @@ impl PlanesFile {
         }
         let means = self.summary.iter().filter_map(|s| s.normal_uncertainty_mean).flatten();
         let times = self.timings_seconds.iter();
-        let times =
-            times.flat_map(|t| [t.load, t.grid, t.normals, t.cluster, t.optimise, t.label, t.write, t.total]);
+        let times = times.flat_map(|t| {
+            let always = [t.load, t.grid, t.normals, t.cluster, t.optimise, t.label, t.write, t.total];
+            always.into_iter().chain(t.extent)
+        });
         let named = means
             .map(|v| ("summary.normal_uncertainty_mean", v))
             .chain(times.map(|v| ("timings_seconds", v)));

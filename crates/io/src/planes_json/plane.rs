@@ -40,6 +40,9 @@ pub struct PlaneRecord {
     /// Number of grid cells.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cells: Option<u64>,
+    /// Area that its points cover, without holes, in square metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
     /// Root mean square distance of its points from it, in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms: Option<f64>,
@@ -67,6 +70,7 @@ impl PlaneRecord {
             min_max: None,
             points,
             cells: None,
+            area: None,
             rms: None,
             phi: None,
             phi_interval: None,
@@ -86,6 +90,7 @@ impl PlaneRecord {
             .chain(self.reduced_chi_squared.iter().map(named("reduced_chi_squared")))
             .chain(self.growth.iter().map(named("growth")))
             .chain(self.min_max.iter().flatten().map(named("min_max")))
+            .chain(self.area.iter().map(named("area")))
             .chain(self.rms.iter().map(named("rms")))
             .chain(self.phi.iter().map(named("phi")))
             .chain(interval.map(|value| ("phi_interval", value)))

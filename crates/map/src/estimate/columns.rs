@@ -70,6 +70,7 @@ pub(crate) enum Of {
     Rim,
 }
 
+/// The cells of a plane and what is around them, column by column.
 pub(crate) struct Columns {
     pub(crate) axis: usize,
     /// What the sums are relative to.

@@ -188,6 +188,54 @@ fn a_floor_does_not_average_out() {
     }
 }
 
+/// A surface bent by more than its errors: its residuals show it, and it is less sure than a flat one.
+#[test]
+fn a_bent_surface_is_less_sure() {
+    let of = |bend: f64| {
+        let bent = rough(0.7).into_iter().map(|[x, y, z]| [x, y, z + bend * (x - 1.0) * (x - 1.0)]).collect();
+        let scan = cloud(bent, Sigma::Uniform(6e-4));
+        map(tenth(Params::default), &[&scan]).planes[0].estimate.unwrap()
+    };
+    let (flat, bent) = (of(0.0), of(0.01));
+    assert!(flat.growth < 1.1, "{flat:?}");
+    assert!(bent.growth > 10.0 && bent.reduced_chi_squared > 5.0 * flat.reduced_chi_squared, "{bent:?}");
+    assert!(bent.tilt_offset[2][2] > 5.0 * flat.tilt_offset[2][2]);
+}
+
+/// Around each interior cell of a flat surface there is a plane, as far off as it says, within its min-max.
+#[test]
+fn planes_around_cells_are_as_far_off_as_they_say() {
+    let (exact, truth) = white(&Scene::table(), 30_000, 0.008);
+    let mut found = Calibration::new(3).unwrap();
+    let (mut components, mut exceeded) = (0, 0);
+    for copy in 0..10 {
+        let mut mapper = Mapper::new(Params::default()).unwrap();
+        mapper.insert(&perturbed(&exact[0], copy, 0)).unwrap();
+        for cell in mapper.cell_planes().unwrap() {
+            let Some(estimate) = cell.estimate.filter(|e| e.columns == 9 && e.reduced_chi_squared < 1.3)
+            else {
+                continue;
+            };
+            // Off the edges, where there is one true plane near.
+            let near = |t: &&TruePlane| t.plane.signed_distance(estimate.centroid).abs() < 0.15;
+            let mut planes = truth.iter().filter(near);
+            let (Some(plane), None) = (planes.next(), planes.next()) else { continue };
+            found.push(squared_error(&estimate, plane)).unwrap();
+            let sign = dot(plane.plane.normal(), estimate.plane.normal()).signum();
+            for i in 0..3 {
+                components += 1;
+                let off = (estimate.plane.normal()[i] - sign * plane.plane.normal()[i]).abs();
+                exceeded += i32::from(off > estimate.min_max.unwrap()[i]);
+            }
+        }
+    }
+    // Neighbours share points, so that there are fewer independent ones than there are.
+    assert!(found.count() > 1000, "{}", found.count());
+    let nees = found.nees().unwrap();
+    assert!((nees - 1.0).abs() < 0.15, "{nees}");
+    assert!(200 * exceeded < components, "{exceeded} of {components}");
+}
+
 /// The covariance of the coefficients is that of tilt and offset, seen from the origin.
 #[test]
 fn the_offset_at_the_centroid_follows_from_the_coefficients() {

@@ -1,6 +1,8 @@
 //! `terrace extract`: scans in, planes out.
 
+mod extents;
 mod inputs;
+mod mesh_file;
 mod summary;
 
 use std::path::Path;
@@ -18,8 +20,10 @@ use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
 use crate::report;
 
+use extents::Extents;
 use inputs::{Inputs, labelled_points, sources};
 pub use inputs::{insert_all, intrinsics, not_measured, read_options};
+pub use mesh_file::MeshFile;
 
 /// Runs on a pool of its own, so that `--threads` holds for everything.
 pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
@@ -49,6 +53,7 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
         progress.warn(&warning);
     }
     let map = extract_timed(&mapper, &mut progress, &mut timings)?;
+    let extents = outline(args, &map, &inputs, &options, &mut progress, &mut timings)?;
 
     let writing = Instant::now();
     progress.spin("writing");
@@ -59,12 +64,16 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     if args.picture {
         write_picture(&args.out.join("planes.png"), &inputs, &options, &map, args.up)?;
     }
+    if let Some(extents) = &extents {
+        write_extents(extents, args, &mut progress)?;
+    }
     timings.write = writing.elapsed().as_secs_f64();
     timings.total = start.elapsed().as_secs_f64();
-    report::planes_file(&map, inputs.parameters(args), timings).write(&args.out.join("planes.json"))?;
+    let area = |plane| extents.as_ref()?.area(plane);
+    report::planes_file(&map, area, inputs.parameters(args), timings).write(&args.out.join("planes.json"))?;
     progress.finish();
     if !args.quiet {
-        summary::print(&map, &inputs, args);
+        summary::print(&map, extents.as_ref(), &inputs, args);
     }
     Ok(())
 }
@@ -146,6 +155,36 @@ pub fn extract_timed(
         *slot = (end - *begin).as_secs_f64();
     }
     Ok(map)
+}
+
+/// The extents of the planes, when the arguments ask for anything made of them.
+fn outline(
+    args: &ExtractArgs,
+    map: &PlaneMap,
+    inputs: &Inputs,
+    options: &ReadOptions,
+    progress: &mut Progress,
+    timings: &mut Timings,
+) -> Result<Option<Extents>, CliError> {
+    if !args.extent && args.mesh.is_empty() {
+        return Ok(None);
+    }
+    let outlining = Instant::now();
+    let extents = Extents::of(map, inputs, options, progress)?;
+    timings.extent = Some(outlining.elapsed().as_secs_f64());
+    Ok(Some(extents))
+}
+
+fn write_extents(extents: &Extents, args: &ExtractArgs, progress: &mut Progress) -> Result<(), CliError> {
+    progress.spin("writing extents");
+    if args.extent {
+        extents.write(&args.out.join("extents.json"))?;
+    }
+    if !args.mesh.is_empty() {
+        let mesh = extents.mesh(progress);
+        args.mesh.iter().try_for_each(|file| file.write(&mesh))?;
+    }
+    Ok(())
 }
 
 fn write_points(

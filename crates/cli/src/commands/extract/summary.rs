@@ -2,7 +2,7 @@
 
 use terrace::{ExtractedPlane, NoiseKnot, NoiseLevel, PlaneMap};
 
-use super::Inputs;
+use super::{Extents, Inputs, MeshFile};
 use crate::extract_args::ExtractArgs;
 use crate::report::tilt_offset;
 
@@ -10,9 +10,9 @@ use crate::report::tilt_offset;
 const ROWS: usize = 20;
 
 /// Tells people what was found, and how sure it is.
-pub fn print(map: &PlaneMap, inputs: &Inputs, args: &ExtractArgs) {
+pub fn print(map: &PlaneMap, extents: Option<&Extents>, inputs: &Inputs, args: &ExtractArgs) {
     let summary = map.summary();
-    print!("{}", table(map));
+    print!("{}", table(map, extents));
     println!(
         "{} planes, {} of {} points labelled, {} of {} inputs used; cells of {:.4} m, tau {}",
         summary.planes,
@@ -32,24 +32,29 @@ pub fn print(map: &PlaneMap, inputs: &Inputs, args: &ExtractArgs) {
             if map.used.params.estimate.is_some() { " and no flat place shows any" } else { "" },
         ),
     }
-    println!("written to {}", args.out.display());
+    let files = args.mesh.iter().map(MeshFile::path);
+    let written: Vec<_> =
+        std::iter::once(args.out.as_path()).chain(files).map(|path| path.display().to_string()).collect();
+    println!("written to {}", written.join(", "));
 }
 
-/// The largest planes. How sure they are is left out where that was not asked for.
-fn table(map: &PlaneMap) -> String {
+/// The largest planes. How sure they are, and their areas, are left out where that was not asked for.
+fn table(map: &PlaneMap, extents: Option<&Extents>) -> String {
     let asked = map.used.params.estimate.is_some();
     let how_sure = if asked { " tilt deg   off mm " } else { "" };
+    let areas = if extents.is_some() { "   area m2" } else { "" };
     let mut text = format!(
-        "  id    points   cells        a        b        c          d    s_x    s_y    s_z  rms mm{how_sure}    phi\n",
+        "  id    points   cells{areas}        a        b        c          d    s_x    s_y    s_z  rms mm{how_sure}    phi\n",
     );
     let shown = || map.planes.iter().take(ROWS);
     for plane in shown() {
         let ([a, b, c, d], [sx, sy, sz]) = (plane.plane.coefficients(), plane.normal_uncertainty);
         text += &format!(
-            "{:>4} {:>9} {:>7} {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.4}  {sx:.3}  {sy:.3}  {sz:.3} {:>7.2}{}  {:.3}\n",
+            "{:>4} {:>9} {:>7}{} {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.4}  {sx:.3}  {sy:.3}  {sz:.3} {:>7.2}{}  {:.3}\n",
             plane.id.get(),
             plane.points,
             plane.cells,
+            extents.map_or_else(String::new, |extents| area(extents, plane)),
             1000.0 * plane.rms,
             if asked { uncertainty(plane) } else { String::new() },
             plane.phi,
@@ -83,6 +88,10 @@ fn uncertainty(plane: &ExtractedPlane) -> String {
             format!(" {tilt:>8.3} {offset:>8.3}{}", if has_grown(plane) { "*" } else { " " })
         },
     )
+}
+
+fn area(extents: &Extents, plane: &ExtractedPlane) -> String {
+    extents.area(plane.id).map_or_else(|| format!(" {:>9}", "-"), |area| format!(" {area:>9.3}"))
 }
 
 /// The errors that the residuals show, in a sentence.
