@@ -1,8 +1,9 @@
 //! The scoreboard: what the default settings find on every labelled scene of the data folder.
 //!
-//! `cargo bench -p terrace-benches --bench scores [-- [--moved] [--planes] [--csv FILE] SCENE...]`
+//! `cargo bench -p terrace-benches --bench scores [-- [--confirm] [--moved] [--planes] [--csv FILE] SCENE...]`
 //!
 //! * `SCENE`: part of the name of a scene or group; without any, all are run.
+//! * `--confirm`: keep planes that are sure enough, and label points one by one.
 //! * `--moved`: each scene again, turned at random and moved by 5000 km along each axis, with how many planes match that
 //!   did not before, and how many are the same planes.
 //! * `--planes`: under each scene, what became of every true plane and which found planes are of none.
@@ -17,6 +18,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use terrace::{Confirm, Params};
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
 use terrace_benches::overlap::{Overlaps, Part};
 use terrace_benches::{Score, peers, value};
@@ -61,6 +63,7 @@ const BOTH: [(&str, &str, usize); 5] = [
 
 #[derive(Default)]
 struct Args {
+    confirm: bool,
     moved: bool,
     planes: bool,
     csv: Option<PathBuf>,
@@ -102,6 +105,7 @@ fn arguments() -> Outcome<Args> {
     while let Some(word) = given.next() {
         match word.as_str() {
             "--bench" => {}
+            "--confirm" => args.confirm = true,
             "--moved" => args.moved = true,
             "--planes" => args.planes = true,
             "--csv" => args.csv = Some(given.next().ok_or("--csv FILE")?.into()),
@@ -140,12 +144,13 @@ fn board(args: &Args) -> Outcome<()> {
 
 fn row(entry: Entry, scene: &Labelled, args: &Args) -> Outcome<Row> {
     eprintln!("{} ...", entry.name);
-    let score = Score::of(scene)?;
+    let params = Params { confirm: args.confirm.then(Confirm::default), ..Params::default() };
+    let score = Score::of(scene, params)?;
     if args.planes {
         print_planes(&entry.name, scene, &score);
     }
     let moved = if args.moved {
-        let after = Score::of(&Motion::seeded(TURN)?.of(scene)?)?;
+        let after = Score::of(&Motion::seeded(TURN)?.of(scene)?, params)?;
         let same = Contingency::of_numbers(&score.found, &after.found)?.matches(Evaluation::STRICT)?.matched;
         Some(Moved { measures: after.measures, same })
     } else {

@@ -24,13 +24,13 @@ pub struct Score {
 }
 
 impl Score {
-    /// Extracts the planes with the default settings and compares them.
+    /// Extracts the planes with these settings and compares them.
     ///
     /// # Errors
     /// When the extraction or the count of CPU time fails.
-    pub fn of(scene: &Labelled) -> Result<Self, SceneError> {
+    pub fn of(scene: &Labelled, params: Params) -> Result<Self, SceneError> {
         let begin = Usage::now()?;
-        let mut mapper = Mapper::new(Params::default())?;
+        let mut mapper = Mapper::new(params)?;
         for scan in &scene.scans {
             mapper.insert(scan)?;
         }

@@ -74,6 +74,10 @@ pub struct ExtractArgs {
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Method")]
     pub seed: u64,
+    /// Keep only planes whose orientation is known to 0.01 rad, take layers apart, and label points one by one, by their distance in
+    /// standard errors
+    #[arg(long, help_heading = "Method")]
+    pub confirm: bool,
     /// How files are read.
     #[command(flatten)]
     pub read: ReadArgs,

@@ -103,6 +103,10 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ),
         ("seeds", json!(if p.random_seeds { "random" } else { "most_certain" })),
         ("optimise", optimise),
+        (
+            "confirm",
+            json!(p.confirm.map(|c| json!({ "tilt": c.tilt, "distance": c.distance, "share": c.share }))),
+        ),
         ("estimate", json!(p.estimate.map(|estimate| json!({ "floor": estimate.floor })))),
         ("noise_found", json!(map.noise.as_ref().map(noise))),
         ("min_cells", json!(p.min_cells)),

@@ -79,7 +79,8 @@ impl Candidates<'_> {
     fn sure(&self, planes: &[ExtractedPlane], plane_of_node: &[Option<PlaneId>]) -> Vec<bool> {
         let mut sums: Vec<Option<(Stats, SymmetricMatrix3)>> = vec![None; planes.len()];
         for (node, plane) in plane_of_node.iter().enumerate() {
-            let without = plane.filter(|plane| planes.get(plane.index()).is_some_and(|p| p.estimate.is_none()));
+            let without =
+                plane.filter(|plane| planes.get(plane.index()).is_some_and(|p| p.estimate.is_none()));
             let (Some(plane), Some(stats)) = (without, self.nodes.stats.get(node)) else { continue };
             let Some(cell) = self.nodes.dense.cells().get(node) else { continue };
             let (sum, noise) =
@@ -125,7 +126,8 @@ impl Candidates<'_> {
             let (start, end) = (*nearby.starts.get(cell)?, *nearby.starts.get(cell + 1)?);
             let mut best: Option<(f64, u32)> = None;
             for near in nearby.of.get(start..end)? {
-                let distance: f64 = (0..3).map(|i| near.normal[i] * f64::from(place[i])).sum::<f64>() + near.offset;
+                let distance: f64 =
+                    (0..3).map(|i| near.normal[i] * f64::from(place[i])).sum::<f64>() + near.offset;
                 let errors = distance.abs() / near.sigma;
                 if errors <= self.confirm.distance && best.is_none_or(|(least, _)| errors < least) {
                     best = Some((errors, near.plane));

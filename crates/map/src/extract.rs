@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 use terrace_normals::{canonical, fit_plane};
-use terrace_stats::{Moments, Stats, UncertainVector};
+use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
 use crate::confirm::Candidates;
 use crate::estimate::estimate_planes;
 use crate::facing::face_sensors;
 use crate::first::First;
+use crate::layers::{LAYERS, layers_apart};
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
 use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
@@ -70,9 +71,9 @@ impl Mapper {
                 estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau);
             let (errors, layers) = found.unzip();
             round += 1;
-            let apart = layers
-                .filter(|_| self.params().confirms() && round < LAYERS)
-                .and_then(|layers| layers_apart(&planes, &plane_of_node, &layers, &nodes, self.params().min_cells));
+            let apart = layers.filter(|_| self.params().confirms() && round < LAYERS).and_then(|layers| {
+                layers_apart(&planes, &plane_of_node, &layers, &nodes, self.params().min_cells)
+            });
             match apart {
                 Some(apart) => parts = apart,
                 None => break (planes, plane_of_node, plane_of_cell, errors),
@@ -101,63 +102,6 @@ impl Mapper {
         let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered };
         Ok(PlaneMap { planes, labels, used, noise, cells, cell_counts, optimised })
     }
-}
-
-/// Layers are taken apart so many times at most, less one.
-const LAYERS: usize = 4;
-
-/// The planes as parts, with what lies off each as a whole in parts of its own, as far as it hangs together; `None` when
-/// nothing does.
-fn layers_apart(
-    planes: &[ExtractedPlane],
-    plane_of_node: &[Option<PlaneId>],
-    layers: &[Vec<Vec<u32>>],
-    nodes: &Nodes,
-    min_cells: usize,
-) -> Option<Vec<Part>> {
-    let mut parts: Vec<Part> = planes
-        .iter()
-        .map(|plane| Part {
-            nodes: Vec::new(),
-            uncertainty: plane.normal_uncertainty,
-            phi: plane.phi,
-            interval: plane.phi_interval,
-        })
-        .collect();
-    let mut apart = Vec::new();
-    let mut moved = vec![false; nodes.dense.len()];
-    for (part, layer) in parts.iter().zip(layers) {
-        for layer in layer.iter().filter(|layer| layer.len() >= min_cells) {
-            for node in layer {
-                moved[*node as usize] = true;
-            }
-            apart.push(Part { nodes: layer.clone(), ..part.clone() });
-        }
-    }
-    if apart.is_empty() {
-        return None;
-    }
-    for ((node, plane), moved) in (0..).zip(plane_of_node).zip(moved) {
-        if let Some(part) = plane.filter(|_| !moved).and_then(|plane| parts.get_mut(plane.index())) {
-            part.nodes.push(node);
-        }
-    }
-    parts.extend(apart);
-    for part in &mut parts {
-        let mut normals = Moments::EMPTY;
-        let of = part.nodes.iter().filter_map(|node| nodes.normals.get(*node as usize)?.as_ref().ok());
-        let mut first: Option<[f64; 3]> = None;
-        for normal in of {
-            let vector = normal.as_vector();
-            let towards = *first.get_or_insert(vector.value);
-            let turned = (0..3).map(|i| vector.value[i] * towards[i]).sum::<f64>() < 0.0;
-            normals.push(&if turned { UncertainVector { value: vector.value.map(|x| -x), ..vector } } else { vector });
-        }
-        if let Some(variance) = normals.variance_with_error() {
-            part.uncertainty = variance.map(|v| v.max(0.0).sqrt());
-        }
-    }
-    Some(parts)
 }
 
 /// Splits the uncertain clusters at their own φ and keeps the others.

@@ -54,6 +54,7 @@ mod estimate;
 mod extract;
 mod facing;
 mod first;
+mod layers;
 mod mapper;
 mod nodes;
 mod optimise;

@@ -51,7 +51,14 @@ impl Mapper {
     /// [`ParamsError`] when a parameter cannot be used.
     pub fn new(params: Params) -> Result<Self, ParamsError> {
         params.validate()?;
-        Ok(Self { params, chosen: None, grid: None, cell_of_point: Vec::new(), places: Vec::new(), views: Vec::new() })
+        Ok(Self {
+            params,
+            chosen: None,
+            grid: None,
+            cell_of_point: Vec::new(),
+            places: Vec::new(),
+            views: Vec::new(),
+        })
     }
 
     /// Changes how the next extractions search for φ; the points need not be inserted again.

@@ -51,9 +51,9 @@ pub struct Params {
     /// ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)); `None` leaves planes as fitted by least squares.
     /// Not for the paper's way of finding cells, whose points are not those of a place, and not for weighted points.
     pub estimate: Option<Estimate>,
-    /// Keep planes that are sure enough, and label points one by one, by their distance; `None` reports every cluster as a plane
-    /// and gives points the label of their cell. Like covariances, not for the paper's way of finding cells, and not for weighted
-    /// points.
+    /// Keep planes that are sure enough, take layers apart, and label points one by one, by their distance; `None` reports every
+    /// cluster as a plane and gives points the label of their cell. Like covariances, not for the paper's way of finding cells, and
+    /// not for weighted points.
     pub confirm: Option<Confirm>,
     /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
@@ -163,7 +163,7 @@ impl Default for Params {
             random_seeds: false,
             optimise: Some(Optimise::default()),
             estimate: Some(Estimate::default()),
-            confirm: Some(Confirm::default()),
+            confirm: None,
             min_cells: 5,
             seed: 0,
         }

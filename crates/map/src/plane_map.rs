@@ -21,11 +21,11 @@ pub struct ExtractedPlane {
     /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also where too little is
     /// left of the cells once those that hold something else are left out, or all points lie exactly in a plane.
     pub estimate: Option<PlaneEstimate>,
-    /// Points in its cells.
+    /// Points with its label: those in its cells, or, where planes are confirmed ([`Params::confirm`]), those near it.
     pub points: u64,
     /// Number of cells.
     pub cells: usize,
-    /// Root mean square distance of all its points from their plane of least squares, in metres.
+    /// Root mean square distance of all points in its cells from their plane of least squares, in metres.
     pub rms: f64,
     /// The threshold φ at which it was found.
     pub phi: f64,

@@ -181,7 +181,8 @@ impl Usual {
 
     /// Whether a column of so many points is off by no more than so many standard errors.
     fn holds(&self, deviation: &Deviation, points: u64, errors: f64) -> bool {
-        deviation.mean <= errors * errors * self.mean && self.scatters(deviation, points, errors.max(DEVIATIONS))
+        deviation.mean <= errors * errors * self.mean
+            && self.scatters(deviation, points, errors.max(DEVIATIONS))
     }
 
     /// Whether the points scatter about their mean by no more than so many standard errors above what is usual.

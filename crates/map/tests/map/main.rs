@@ -5,6 +5,7 @@ mod accuracy;
 mod anything;
 mod cell_size;
 mod common;
+mod confirm;
 mod covariance;
 mod curved;
 mod degenerate;

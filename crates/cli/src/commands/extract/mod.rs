@@ -8,7 +8,7 @@ mod summary;
 use std::path::Path;
 use std::time::Instant;
 
-use terrace::{CostForm, Mapper, Optimise, Params, PlaneMap, Search, Stage};
+use terrace::{Confirm, CostForm, Mapper, Optimise, Params, PlaneMap, Search, Stage};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
 use terrace_io::{ReadOptions, read_counted, write_labelled_ply, write_labels_npy};
@@ -100,6 +100,15 @@ fn params(args: &ExtractArgs) -> Result<Params, CliError> {
             ));
         };
         estimate.floor = floor;
+    }
+    if args.confirm {
+        if args.preset == Preset::Paper {
+            return Err(CliError::Usage(
+                "--confirm needs the errors of points in their places, which --preset paper does not keep"
+                    .to_owned(),
+            ));
+        }
+        params.confirm = Some(Confirm::default());
     }
     if args.no_optimise {
         params.optimise = None;
