@@ -190,28 +190,9 @@ pub(crate) fn estimate_planes<'m>(
         .zip(&columns)
         .zip(&nodes_of)
         .map(|((plane, (near, columns)), of)| {
-            let Some((near, found)) = cells.estimate(columns, near) else { return layers_of_nodes(0) };
+            let Some((near, found)) = cells.estimate(columns, near) else { return Vec::new() };
             plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
-            let layers = columns.layers(&near, cells.errors.floor);
-            if layers.is_empty() {
-                return layers_of_nodes(0);
-            }
-            let mut layer_of: Vec<Option<usize>> = vec![None; columns.all.len()];
-            for (number, layer) in layers.iter().enumerate() {
-                for at in layer {
-                    layer_of[*at] = Some(number);
-                }
-            }
-            let mut nodes_of = layers_of_nodes(layers.len());
-            for node in of {
-                let key = cells.nodes.dense.keys().get(*node as usize);
-                if let Some(layer) =
-                    key.and_then(|key| columns.find(columns.place(*key))).and_then(|at| layer_of[at])
-                {
-                    nodes_of[layer].push(*node);
-                }
-            }
-            nodes_of
+            if params.confirms() { cells.layers(columns, &near, of) } else { Vec::new() }
         })
         .collect();
     let limit = ROUGHEST * usual_chi_squared(planes);
@@ -222,10 +203,6 @@ pub(crate) fn estimate_planes<'m>(
         }
     }
     Some((cells.errors, layers))
-}
-
-fn layers_of_nodes(layers: usize) -> Vec<Vec<u32>> {
-    vec![Vec::new(); layers]
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.
@@ -266,6 +243,29 @@ impl Owned<'_, '_> {
             }
         }
         NoiseLevel::of(&residuals)
+    }
+
+    /// The nodes of other layers than a plane, of those that are taken for its own.
+    fn layers(&self, columns: &Columns, near: &Near, of: &[u32]) -> Vec<Vec<u32>> {
+        let layers = columns.layers(near, self.errors.floor);
+        if layers.is_empty() {
+            return Vec::new();
+        }
+        let mut layer_of: Vec<Option<usize>> = vec![None; columns.all.len()];
+        for (number, layer) in layers.iter().enumerate() {
+            for at in layer {
+                layer_of[*at] = Some(number);
+            }
+        }
+        let mut nodes_of = vec![Vec::new(); layers.len()];
+        for node in of {
+            let key = self.nodes.dense.keys().get(*node as usize);
+            let column = key.and_then(|key| columns.find(columns.place(*key)));
+            if let Some(layer) = column.and_then(|at| layer_of[at]) {
+                nodes_of[layer].push(*node);
+            }
+        }
+        nodes_of
     }
 
     /// The plane that the larger part of the columns lies on, and, where it is determined well enough, that of least variance with
