@@ -417,6 +417,19 @@ impl Column {
         DVec3::from(self.sum.sum()) / self.sum.weight()
     }
 
+    /// The sums with noise that makes the variance of their mean that of a sample: its scatter over one less than its points. In
+    /// columns of few points it matters.
+    pub(crate) fn with_sample_variance(&self, anchor: [f64; 3]) -> Stats {
+        let points = self.sum.count() as f64;
+        let stats = Stats::from_moments(anchor, self.sum);
+        match self.sum.covariance() {
+            Some(scatter) if points > 1.0 => {
+                stats.with_noise(self.sum.noise() + scatter * (points / (points - 1.0)))
+            }
+            _ => stats,
+        }
+    }
+
     /// The mean covariance of the error of a point.
     pub(crate) fn noise_of_points(&self) -> SymmetricMatrix3 {
         let shared = self.seen.as_ref().map_or(SymmetricMatrix3::ZERO, |seen| seen.shared.of_points);
