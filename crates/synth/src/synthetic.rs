@@ -62,6 +62,9 @@ pub(crate) fn scan(points: Vec<[f64; 3]>, sigmas: Vec<f64>, frame: Frame) -> Sca
 
 /// A scan of points and errors that are known to fit each other: generated ones, those of another scan, and those that
 /// were checked where they were turned.
+///
+/// It cannot panic: `perturbed` keeps number, errors and frame of a scan and only takes points away; `chunks` checked its
+/// errors with the parameters, and its poses are poses; `errors_in_world` lets no error through that a scan would refuse.
 #[expect(clippy::expect_used, reason = "see above")]
 pub(crate) fn fitting(points: Vec<[f64; 3]>, sigma: Sigma, frame: Frame) -> Scan {
     Scan::new(points, sigma, frame).expect("the errors fit the points")

@@ -3,15 +3,13 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use terrace::Mapper;
-use terrace_io::{
-    Counted, ReadOptions, Source, find_sources, find_uncertain_sources, read_counted, read_scan,
-};
+use terrace_io::{Counted, ReadOptions, Source, read_counted, read_scan};
 use terrace_trials::{Agreement, Look, Reference, TrialError};
 
 use super::record::{Record, of_calibration, of_plane, of_scatter};
 use super::{VIEWS, params, qq, table};
 use crate::calibrate_args::CalibrateArgs;
-use crate::commands::extract::{extract_timed, not_measured, read_options};
+use crate::commands::extract::{extract_timed, not_measured, read_options, sources};
 use crate::error::CliError;
 use crate::progress::Progress;
 
@@ -27,7 +25,8 @@ type Skipped = Vec<(Source, String)>;
 /// Reads each scan twice and keeps none: first for the planes of all, then for its own.
 pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
     let options = read_options(&args.read)?;
-    let sources = sources(args)?;
+    let sources =
+        sources(&args.inputs, args.poses.as_deref(), args.pose_covariances.as_deref(), args.pose_sigma)?;
     let mut progress = Progress::new(args.quiet);
     let mut mapper = Mapper::new(params(args, 0.0))?;
     let (used, skipped) = insert_all(&mut mapper, &sources, &options, &mut progress)?;
@@ -79,20 +78,6 @@ pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
         );
     }
     Ok(())
-}
-
-fn sources(args: &CalibrateArgs) -> Result<Vec<Source>, CliError> {
-    let poses = args.poses.as_deref();
-    let mut sources = match &args.pose_covariances {
-        Some(file) => find_uncertain_sources(&args.inputs, poses, file)?,
-        None => find_sources(&args.inputs, poses)?,
-    };
-    if let Some(sigma) = args.pose_sigma {
-        for source in &mut sources {
-            source.pose_noise = Some(sigma.into());
-        }
-    }
-    Ok(sources)
 }
 
 /// Puts all scans into the map, as many read at a time as there are threads. One that cannot be used is reported and left out.

@@ -11,7 +11,7 @@ use terrace_io::{
     Counted, ErrorSource, FieldChoice, Intrinsics, LabelledPoint, PlyExtent, ReadError, ReadOptions, Source,
     find_sources, find_uncertain_sources, read_scan,
 };
-use terrace_noise::{SensorNoise, Uniform};
+use terrace_noise::{PoseSigma, SensorNoise, Uniform};
 
 use crate::args::{Preset, ReadArgs};
 use crate::error::CliError;
@@ -46,14 +46,18 @@ pub fn intrinsics(text: &str) -> Result<Intrinsics, CliError> {
     }
 }
 
-/// The scans that the arguments name, with their poses and how sure these are.
-pub fn sources(args: &ExtractArgs) -> Result<Vec<Source>, CliError> {
-    let poses = args.poses.as_deref();
-    let mut sources = match &args.pose_covariances {
-        Some(file) => find_uncertain_sources(&args.inputs, poses, file)?,
-        None => find_sources(&args.inputs, poses)?,
+/// The scans that `inputs` name, with their poses and how sure these are: by a file, or all alike.
+pub fn sources(
+    inputs: &[String],
+    poses: Option<&Path>,
+    covariances: Option<&Path>,
+    sigma: Option<PoseSigma>,
+) -> Result<Vec<Source>, CliError> {
+    let mut sources = match covariances {
+        Some(file) => find_uncertain_sources(inputs, poses, file)?,
+        None => find_sources(inputs, poses)?,
     };
-    if let Some(sigma) = args.pose_sigma {
+    if let Some(sigma) = sigma {
         for source in &mut sources {
             source.pose_noise = Some(sigma.into());
         }

@@ -21,8 +21,8 @@ use crate::progress::Progress;
 use crate::report;
 
 use extents::Extents;
-use inputs::{Inputs, labelled_points, sources};
-pub use inputs::{insert_all, intrinsics, not_measured, read_options};
+use inputs::{Inputs, labelled_points};
+pub use inputs::{insert_all, intrinsics, not_measured, read_options, sources};
 pub use mesh_file::MeshFile;
 
 /// Runs on a pool of its own, so that `--threads` holds for everything.
@@ -38,7 +38,8 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     let start = Instant::now();
     let options = read_options(&args.read)?;
     let mut mapper = Mapper::new(params(args)?)?;
-    let sources = sources(args)?;
+    let sources =
+        sources(&args.inputs, args.poses.as_deref(), args.pose_covariances.as_deref(), args.pose_sigma)?;
     let mut progress = Progress::new(args.quiet);
     let mut timings = Timings::default();
 
