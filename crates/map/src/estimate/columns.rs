@@ -417,14 +417,17 @@ impl Column {
         DVec3::from(self.sum.sum()) / self.sum.weight()
     }
 
-    /// The sums with noise that makes the variance of their mean that of a sample: its scatter over one less than its points. In
-    /// columns of few points it matters.
-    pub(crate) fn with_sample_variance(&self, anchor: [f64; 3]) -> Stats {
+    /// The sums with noise that makes the variance of their mean that of a sample, scatter over one less than the points, and along
+    /// the normal at least what the errors say: few points may lie close together by luck.
+    pub(crate) fn with_sample_variance(&self, anchor: [f64; 3], normal: [f64; 3]) -> Stats {
         let points = self.sum.count() as f64;
         let stats = Stats::from_moments(anchor, self.sum);
         match self.sum.covariance() {
             Some(scatter) if points > 1.0 => {
-                stats.with_noise(self.sum.noise() + scatter * (points / (points - 1.0)))
+                let sample = scatter.quadratic_form(normal) * points / (points - 1.0);
+                let lacking = (variance_along(&self.sum, DVec3::from(normal)) - sample).max(0.0) * points;
+                let more = scatter * (points / (points - 1.0)) + SymmetricMatrix3::outer(normal) * lacking;
+                stats.with_noise(self.sum.noise() + more)
             }
             _ => stats,
         }

@@ -337,7 +337,8 @@ impl Owned<'_, '_> {
         let [(reduced_chi_squared, _), _] = residuals;
         let supporting = columns.counted(counts);
         // Only centres are moved: across a strip of one row of columns, they say nothing of what moves the plane.
-        let sums: Vec<Stats> = supporting.map(|column| column.with_sample_variance(columns.anchor)).collect();
+        let sums: Vec<Stats> =
+            supporting.map(|column| column.with_sample_variance(columns.anchor, plane.fit.normal)).collect();
         let points: u64 = sums.iter().map(Stats::count).sum();
         if (points as f64) < DENSE * self.tau as f64 * sums.len() as f64 {
             return None;
