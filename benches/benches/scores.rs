@@ -1,6 +1,6 @@
 //! The scoreboard: what the default settings find on every labelled scene of the data folder.
 //!
-//! `cargo bench -p terrace-benches --bench scores [-- [--confirm] [--moved] [--planes] [--csv FILE] SCENE...]`
+//! `cargo bench -p terrace-benches --bench scores [-- [--confirm] [--moved] [--planes] [--csv FILE] [--export DIR] SCENE...]`
 //!
 //! * `SCENE`: part of the name of a scene or group; without any, all are run.
 //! * `--confirm`: keep planes that are sure enough, and label points one by one.
@@ -8,6 +8,7 @@
 //!   did not before, and how many are the same planes.
 //! * `--planes`: under each scene, what became of every true plane and which found planes are of none.
 //! * `--csv FILE`: all measures of `terrace_eval`, and those of here, as a table.
+//! * `--export DIR`: points, true and found labels of each scene as files; `benches/peers/run` gives them to other programs.
 //!
 //! Columns: `F1 joined` is what F1@.8 would be had the parts of split planes been joined; `np` the share of the points
 //! of no plane that a plane claims; `angle` the median, in degrees, of planes that match above one half, and `offset` theirs
@@ -21,7 +22,7 @@ use std::process::ExitCode;
 use terrace::{Confirm, Params};
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
 use terrace_benches::overlap::{Overlaps, Part};
-use terrace_benches::{Score, peers, value};
+use terrace_benches::{Score, export, peers, value};
 use terrace_eval::{Contingency, Evaluation, Measure};
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
@@ -67,6 +68,7 @@ struct Args {
     moved: bool,
     planes: bool,
     csv: Option<PathBuf>,
+    export: Option<PathBuf>,
     scenes: Vec<String>,
 }
 
@@ -109,6 +111,7 @@ fn arguments() -> Outcome<Args> {
             "--moved" => args.moved = true,
             "--planes" => args.planes = true,
             "--csv" => args.csv = Some(given.next().ok_or("--csv FILE")?.into()),
+            "--export" => args.export = Some(given.next().ok_or("--export DIR")?.into()),
             option if option.starts_with('-') => return Err(format!("unknown option {option}").into()),
             _ => args.scenes.push(word),
         }
@@ -146,6 +149,9 @@ fn row(entry: Entry, scene: &Labelled, args: &Args) -> Outcome<Row> {
     eprintln!("{} ...", entry.name);
     let params = Params { confirm: args.confirm.then(Confirm::default), ..Params::default() };
     let score = Score::of(scene, params)?;
+    if let Some(folder) = &args.export {
+        export::write(folder, &entry, scene, &score)?;
+    }
     if args.planes {
         print_planes(&entry.name, scene, &score);
     }

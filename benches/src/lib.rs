@@ -1,5 +1,6 @@
 //! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux.
 
+pub mod export;
 pub mod labelled;
 pub mod overlap;
 pub mod peers;

@@ -29,13 +29,15 @@ impl Score {
     /// # Errors
     /// When the extraction or the count of CPU time fails.
     pub fn of(scene: &Labelled, params: Params) -> Result<Self, SceneError> {
+        // Where the peak cannot be forgotten, that of an earlier scene may be higher.
+        let alone = Usage::forget_peak().is_ok();
         let begin = Usage::now()?;
         let mut mapper = Mapper::new(params)?;
         for scan in &scene.scans {
             mapper.insert(scan)?;
         }
         let map = mapper.extract()?;
-        let cpu = Usage::now()?.cpu - begin.cpu;
+        let end = Usage::now()?;
 
         let found: Vec<i32> = map.labels.iter().map(|id| PlaneId::label(*id)).collect();
         let evaluation = Evaluation::of(&Contingency::of_numbers(&scene.truth, &found)?);
@@ -56,7 +58,8 @@ impl Score {
             Measure::new("angle_degrees_median", angle.map(|s| s.median)),
             Measure::new("offset_millimetres_median", offset.map(|s| 1000.0 * s.median)),
             Measure::new("cell_size", Some(map.used.cell_size)),
-            Measure::new("cpu_seconds", Some(cpu)),
+            Measure::new("cpu_seconds", Some(end.cpu - begin.cpu)),
+            Measure::new("peak_mib", alone.then_some(end.peak)),
         ]);
         Ok(Self { measures, found, overlaps, planes: map.planes })
     }

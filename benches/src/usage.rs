@@ -54,6 +54,14 @@ impl Usage {
         let status = fs::read_to_string("/proc/self/status")?;
         Ok(Self { cpu: cpu()?, resident: mebibytes(&status, "VmRSS:")?, peak: mebibytes(&status, "VmHWM:")? })
     }
+
+    /// From here on the peak is that of the memory in use from here on.
+    ///
+    /// # Errors
+    /// When the system does not allow it.
+    pub fn forget_peak() -> io::Result<()> {
+        fs::write("/proc/self/clear_refs", "5")
+    }
 }
 
 /// Over all threads: `/proc/self/schedstat` would tell of the first alone.
