@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import resource
+import shutil
 import signal
 import statistics
 import subprocess
@@ -63,10 +64,13 @@ class Result:
 
 
 def export(folder, words, options):
-    """Every scene as files, with the planes of terrace, by the options of the scoreboard."""
+    """Every scene as files, with the planes of terrace, by these options of the scoreboard. Earlier files go."""
+    shutil.rmtree(folder, ignore_errors=True)
     command = ["cargo", "bench", "--quiet", "--locked", "-p", "terrace-benches", "--bench", "scores", "--"]
-    subprocess.run([*command, *options, "--export", str(folder), *words], cwd=REPOSITORY, check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=os.environ | ONE_THREAD)
+    ended = subprocess.run([*command, *options, "--export", str(folder), *words], cwd=REPOSITORY,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=os.environ | ONE_THREAD)
+    if ended.returncode != 0:
+        sys.exit(f"the scoreboard failed:\n{ended.stderr.decode(errors='replace')}")
 
 
 def scenes(folder, groups):
@@ -76,7 +80,7 @@ def scenes(folder, groups):
         entry = json.loads(file.read_text())
         if entry["group"] in groups:
             found.append(Scene(entry["name"], entry["group"], entry["points"], file.parent))
-    return sorted(found, key=lambda s: (groups.index(s.group), s.name))
+    return sorted(found, key=lambda s: (groups.index(s.group), len(s.name), s.name))
 
 
 def terrace(scene, name, options):
@@ -198,7 +202,9 @@ def sweep(found, programs, grid, settings, arguments):
             good = [results for results in rows if not any(r.failure for r in results)]
             good.sort(key=lambda results: (mean(results, "f1_80"), mean(results, "weighted_cover")), reverse=True)
             print(f"\n{group}, {program}: {len(rows)} settings, {len(rows) - len(good)} over the limit or failed\n")
-            print(table([r for results in good[:arguments.top] for r in results], False), flush=True)
+            widest = sorted(good, key=lambda results: mean(results, "weighted_cover"), reverse=True)[:1]
+            shown = [*good[:arguments.top], *(results for results in widest if results not in good[:arguments.top])]
+            print(table([r for results in shown for r in results], False), flush=True)
             if good and arguments.write:
                 settings["groups"].setdefault(group, {})[program] = good[0][0].setting
                 SETTINGS.write_text(json.dumps(settings, indent=2) + "\n")
@@ -210,13 +216,15 @@ def sweep(found, programs, grid, settings, arguments):
 
 def main():
     parser = argparse.ArgumentParser(prog="benches/peers/run", description=__doc__)
-    parser.add_argument("groups", nargs="*", metavar="GROUP", help="scenes or groups of scenes [default: all in settings.json]")
+    parser.add_argument("groups", nargs="*", metavar="GROUP",
+                        help="scene or group of scenes [default: all in settings.json]")
     parser.add_argument("--program", action="append", choices=[*PROGRAMS, "terrace"], help="only this one; may be repeated")
     parser.add_argument("--each", action="store_true", help="each scene of a group as well as their mean")
-    parser.add_argument("--runs", type=int, default=1, metavar="N", help="that of least CPU time out of so many [default: 1]")
+    parser.add_argument("--runs", type=int, default=1, metavar="N",
+                        help="that of least CPU time out of so many [default: 1]")
     parser.add_argument("--limit", type=int, default=60, metavar="SECONDS", help="of CPU time for one run [default: 60]")
     parser.add_argument("--sweep", action="store_true", help="try the settings of grids.json instead, print the best")
-    parser.add_argument("--top", type=int, default=3, metavar="N", help="how many --sweep prints [default: 3]")
+    parser.add_argument("--top", type=int, default=3, metavar="N", help="how many --sweep prints, and that of the greatest wcov [default: 3]")
     parser.add_argument("--write", action="store_true", help="put the best of --sweep into settings.json")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="how many runs of --sweep at once [default: 1]")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write all measures of each scene")
@@ -252,7 +260,9 @@ def main():
                 results.append(fastest(arguments.runs, terrace, scene, name, options))
         chosen = settings["groups"][scene.group]
         for program in programs:
-            if program in chosen:
+            if program not in chosen:
+                print(f"{program} is left out: no setting for {scene.group} in settings.json, see --sweep", file=sys.stderr)
+            else:
                 results.append(fastest(arguments.runs, run, scene, program, chosen[program], arguments.limit))
     evaluate(results)
     print(table(results, arguments.each))

@@ -6,8 +6,9 @@
 Files and costs are those of the C++ programs beside this one.
 
 patches: kn: neighbours of a normal; nvd: how far normals of a patch may differ, cop: how near to a right angle to its
-normal its points lie, both in degrees; out: share of outliers; edge: least edge of a patch; min: points of a patch, 0 for a
-thousandth of all; ks: neighbours while a patch grows; dist: patches are boxes, and own the points this far from their plane.
+normal its points lie, both in degrees; out: share of outliers; edge: least edge of a patch; start: points a patch begins
+with, 0 for a thousandth of all; ks: neighbours while a patch grows. Patches are boxes without points. dist: they own the points this
+far from their plane; min: points of a plane, others are dropped.
 
 ransac: dist: of points to their plane; cluster: the largest gap within a plane, 0 for any; min: points of a plane; planes:
 how many at most; fails: how many planes in turn may fall apart into groups that are too small.
@@ -21,7 +22,7 @@ import numpy as np
 import open3d as o3d
 
 DEFAULTS = {
-    "patches": dict(kn=30, nvd=60.0, cop=75.0, out=0.75, edge=0.0, min=0, ks=30, dist=0.05),
+    "patches": dict(kn=30, nvd=60.0, cop=75.0, out=0.75, edge=0.0, start=0, ks=30, dist=0.05, min=0),
     "ransac": dict(dist=0.03, iters=1000, prob=0.99999999, cluster=0.0, min=500, planes=40, fails=3, seed=1),
 }
 
@@ -42,10 +43,10 @@ def patches(points, cloud, p):
     normals = cpu_seconds()
     boxes = cloud.detect_planar_patches(
         normal_variance_threshold_deg=p["nvd"], coplanarity_deg=p["cop"], outlier_ratio=p["out"],
-        min_plane_edge_length=p["edge"], min_num_points=int(p["min"]),
+        min_plane_edge_length=p["edge"], min_num_points=int(p["start"]),
         search_param=o3d.geometry.KDTreeSearchParamKNN(int(p["ks"])))
     found = cpu_seconds()
-    # The library gives boxes and no points: each point goes to the nearest plane whose box holds it.
+    # Each point goes to the nearest plane whose box holds it.
     labels = np.zeros(len(points), np.int32)
     nearest = np.full(len(points), np.inf)
     for label, box in enumerate(boxes, 1):
@@ -55,6 +56,7 @@ def patches(points, cloud, p):
         nearer = (local <= half).all(axis=1) & (local[:, 2] < nearest)
         nearest[nearer] = local[nearer, 2]
         labels[nearer] = label
+    labels[np.bincount(labels)[labels] < p["min"]] = 0
     return labels, normals, found
 
 
