@@ -1,0 +1,65 @@
+//! A cell as the growth sees it.
+
+use glam::DVec3;
+use terrace_stats::{Stats, SymmetricMatrix3};
+
+use crate::flat::Flat;
+
+/// A cell of points: where it is in the lattice, and the sums of its points with their errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Its place in the lattice of cubic cells.
+    pub key: [i32; 3],
+    /// Its points, each with weight 1, and what is known of their errors.
+    pub stats: Stats,
+}
+
+/// A cell with what is asked of it again and again.
+#[derive(Debug, Clone)]
+pub(crate) struct Sums {
+    pub(crate) stats: Stats,
+    pub(crate) points: f64,
+    pub(crate) mean: DVec3,
+    /// The mean covariance of the error of a point.
+    noise: SymmetricMatrix3,
+}
+
+impl Sums {
+    /// `None` without a point, or when the sums are not finite.
+    pub(crate) fn of(stats: Stats) -> Option<Self> {
+        let (moments, mean) = (stats.moments(), DVec3::from(stats.mean()?));
+        let points = stats.count() as f64;
+        let finite = mean.is_finite() && moments.second().is_finite() && moments.noise().is_finite();
+        finite.then(|| Self { stats, points, mean, noise: moments.noise() * (1.0 / points) })
+    }
+
+    /// Mean squared distance of the points from a plane, in m².
+    pub(crate) fn mean_square(&self, plane: &Flat) -> f64 {
+        let (moments, offset) = (self.stats.moments(), plane.distance(self.stats.anchor().into()));
+        let normal = plane.normal.to_array();
+        let along = DVec3::from(moments.sum()).dot(plane.normal);
+        ((moments.second().quadratic_form(normal) + 2.0 * offset * along) / self.points + offset * offset)
+            .max(0.0)
+    }
+
+    /// Mean variance of the error of a point along a direction, as it is stated, in m².
+    pub(crate) fn stated(&self, direction: DVec3) -> f64 {
+        self.noise.quadratic_form(direction.to_array())
+    }
+}
+
+/// What the errors of points are taken to be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Noise {
+    /// Times what is stated, in m²/m².
+    pub(crate) scale: f64,
+    /// And at least this, in m².
+    pub(crate) floor: f64,
+}
+
+impl Noise {
+    /// Variance of the error of a point of a cell along a direction, in m².
+    pub(crate) fn variance(&self, cell: &Sums, direction: DVec3) -> f64 {
+        (self.scale * cell.stated(direction)).max(self.floor)
+    }
+}

@@ -1,0 +1,118 @@
+//! Where planes end at each other.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use crate::cell::{Noise, Sums};
+use crate::field::{COARSE, Field};
+use crate::flat::Flat;
+
+/// A plane ends at another when this share of its points near it lies on one side.
+const ONE_SIDED: f64 = 0.95;
+/// Planes with a smaller sine of the angle between them do not end at each other.
+const STEEPEST: f64 = 0.3;
+
+/// The side of a plane on which another is that ends there: 1 where its normal points, else -1.
+#[derive(Debug, Default)]
+pub(crate) struct Ends {
+    /// By the plane that ends and the one it ends at.
+    side: BTreeMap<(u32, u32), f64>,
+}
+
+impl Ends {
+    /// Looks at the cells of each region near those of another, off its plane by at least an error.
+    pub(crate) fn of(
+        field: &Field,
+        noise: Noise,
+        region_of: &[Option<u32>],
+        planes: &[Option<Flat>],
+    ) -> Self {
+        let plane = |region: u32| planes.get(region as usize).copied().flatten();
+        let known = |cell: u32| region_of[cell as usize].filter(|region| plane(*region).is_some());
+        let level = &field.levels[COARSE];
+        let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
+        let mut here: Vec<u32> = Vec::new();
+        for group in 0..level.len() {
+            here.clear();
+            here.extend(level.around(group).filter_map(known));
+            here.sort_unstable();
+            here.dedup();
+            if here.len() < 2 {
+                continue;
+            }
+            for cell in level.cells(group) {
+                let (Some(own), sums) = (known(*cell), &field.cells[*cell as usize]) else { continue };
+                for other in here.iter().filter(|other| **other != own) {
+                    let Some(plane) = plane(*other) else { continue };
+                    let off = plane.distance(sums.mean);
+                    if off * off > noise.variance(sums, plane.normal) {
+                        sides.entry((own, *other)).or_default()[usize::from(off > 0.0)] += sums.points;
+                    }
+                }
+            }
+        }
+        let one_sided = |[below, above]: [f64; 2]| {
+            let least = ONE_SIDED * (below + above);
+            if above > least { Some(1.0) } else { (below > least).then_some(-1.0) }
+        };
+        Self { side: sides.into_iter().filter_map(|(pair, of)| Some((pair, one_sided(of)?))).collect() }
+    }
+
+    /// Where `plane` ends at `at`, seen from a cell; `None` when it does not.
+    pub(crate) fn between(
+        &self,
+        (number, plane): (u32, &Flat),
+        (at_number, at): (u32, &Flat),
+        cell: &Sums,
+        noise: Noise,
+    ) -> Option<End> {
+        let side = self.side.get(&(number, at_number))?;
+        let cosine = plane.normal.dot(at.normal);
+        let sine = (1.0 - cosine * cosine).sqrt();
+        if sine < STEEPEST {
+            return None;
+        }
+        // In the plane, across the line in which both meet.
+        let across = (at.normal - plane.normal * cosine) / sine;
+        let anchor = DVec3::from(cell.stats.anchor());
+        let inside = (at.distance(anchor) - cosine * plane.distance(anchor)) / sine;
+        let per_error = side / noise.variance(cell, across).sqrt();
+        Some(End { across: across * per_error, inside: inside * per_error })
+    }
+}
+
+/// The end of a plane as seen from the anchor of a cell: how far a place is inside it, in standard errors of a point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    across: DVec3,
+    inside: f64,
+}
+
+impl End {
+    /// The logarithm of the probability that a point measured there is of a place inside.
+    pub(crate) fn ln_inside(&self, place: DVec3) -> f64 {
+        ln_normal(self.inside + self.across.dot(place))
+    }
+}
+
+/// ln Φ of the standard normal distribution; not below that of 7 standard deviations, so that no point is ruled out by one end.
+fn ln_normal(x: f64) -> f64 {
+    if x > 5.0 { 0.0 } else { (0.5 * libm::erfc(-x.max(-7.0) / std::f64::consts::SQRT_2)).ln() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_are_those_of_tables() {
+        for (x, probability) in
+            [(0.0, 0.5), (1.0, 0.841_344_746), (-1.0, 0.158_655_254), (-3.0, 0.001_349_898)]
+        {
+            assert!((ln_normal(x).exp() - probability).abs() < 1e-9, "{x}");
+        }
+        assert_eq!(ln_normal(40.0).to_bits(), 0.0_f64.to_bits());
+        assert!(ln_normal(-1e9).is_finite());
+    }
+}

@@ -1,0 +1,56 @@
+//! What can be wrong with cells and points.
+
+/// Cells or points that no regions can be grown from.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum RegionsError {
+    /// The edge of a cell is no length.
+    #[error("cells have an edge of {edge} m: it must be above zero and finite")]
+    Edge {
+        /// As given, in metres.
+        edge: f64,
+    },
+    /// A cell without points, or with sums that are not finite.
+    #[error("cell {cell} has no points, or its sums are not finite")]
+    Cell {
+        /// Its place among the cells.
+        cell: usize,
+    },
+    /// More cells than are numbered.
+    #[error("{cells} cells are more than 2^32 − 1")]
+    TooMany {
+        /// Number of cells.
+        cells: usize,
+    },
+    /// Not one place for each point.
+    #[error("{points} points with {places} places")]
+    Places {
+        /// Number of points.
+        points: usize,
+        /// Number of places.
+        places: usize,
+    },
+    /// A point of a cell that does not exist.
+    #[error("point {point} is of cell {cell}, which does not exist")]
+    NoCell {
+        /// Its place among the points.
+        point: usize,
+        /// The cell.
+        cell: u32,
+    },
+    /// More points than are numbered.
+    #[error("{points} points are more than 2^32 − 1")]
+    TooManyPoints {
+        /// Number of points.
+        points: usize,
+    },
+    /// A setting out of its range.
+    #[error("{name} is {value}: it must be {expected}")]
+    Setting {
+        /// Which.
+        name: &'static str,
+        /// As given.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+}

@@ -1,0 +1,123 @@
+//! Regions that fall into parts.
+
+use crate::field::Field;
+use crate::labels::Piece;
+use crate::level::Level;
+
+/// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
+const HANG_TOGETHER: f64 = 0.85;
+
+/// The pieces of one region, group by group of a level.
+struct Groups {
+    /// In rising order.
+    groups: Vec<u32>,
+    points: Vec<u64>,
+}
+
+/// Parts of one region, the largest first.
+struct Parts {
+    /// By group, the part.
+    of: Vec<usize>,
+    points: Vec<u64>,
+}
+
+/// The region of each piece when those that fall into parts are taken apart, and how many there are then: the largest part keeps its
+/// number, others of at least `fewest` points get new ones, smaller ones stay with the largest.
+///
+/// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
+/// them are seen apart there, and points in rows with gaps between them are not.
+pub(crate) fn take_apart(
+    field: &Field,
+    pieces: &[Piece],
+    regions: usize,
+    fewest: f64,
+) -> (Vec<u32>, Vec<u32>) {
+    let mut of_region: Vec<Vec<usize>> = vec![Vec::new(); regions];
+    for (at, piece) in pieces.iter().enumerate() {
+        of_region[piece.region as usize].push(at);
+    }
+    let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
+    // The region that a new number was taken from.
+    let mut from: Vec<u32> = Vec::new();
+    let apart = field.levels.iter().find_map(|level| {
+        let mut marks = vec![None; level.len()];
+        let found: Vec<(Groups, Parts)> = of_region
+            .iter()
+            .map(|of| {
+                let groups = Groups::of(level, of.iter().map(|at| &pieces[*at]));
+                let parts = groups.parts(level, &mut marks);
+                (groups, parts)
+            })
+            .collect();
+        let largest: u64 = found.iter().filter_map(|(_, parts)| parts.points.first()).sum();
+        let all: u64 = found.iter().flat_map(|(_, parts)| &parts.points).sum();
+        (largest as f64 >= HANG_TOGETHER * all as f64).then_some((level, found))
+    });
+    let Some((level, found)) = apart else { return (numbers, from) };
+    for (of, (groups, parts)) in of_region.iter().zip(&found) {
+        let Some(region) = of.first().map(|at| pieces[*at].region) else { continue };
+        let number = |(rank, points): (usize, &u64)| {
+            if rank == 0 || (*points as f64) < fewest {
+                return region;
+            }
+            from.push(region);
+            // Parts are made of pieces, and those of cells, which are numbered with 32 bits.
+            u32::try_from(regions + from.len() - 1).unwrap_or(region)
+        };
+        let names: Vec<u32> = parts.points.iter().enumerate().map(number).collect();
+        for at in of {
+            let group = level.group(pieces[*at].cell as usize);
+            if let Ok(place) = groups.groups.binary_search(&group) {
+                numbers[*at] = names[parts.of[place]];
+            }
+        }
+    }
+    (numbers, from)
+}
+
+impl Groups {
+    fn of<'p>(level: &Level, pieces: impl Iterator<Item = &'p Piece>) -> Self {
+        let mut of: Vec<(u32, u64)> =
+            pieces.map(|piece| (level.group(piece.cell as usize), u64::from(piece.points))).collect();
+        of.sort_unstable_by_key(|(group, _)| *group);
+        of.dedup_by(|next, first| {
+            let same = next.0 == first.0;
+            first.1 += if same { next.1 } else { 0 };
+            same
+        });
+        let (groups, points) = of.into_iter().unzip();
+        Self { groups, points }
+    }
+
+    /// `marks` holds nothing, before and after.
+    fn parts(&self, level: &Level, marks: &mut [Option<u32>]) -> Parts {
+        for (place, group) in (0..).zip(&self.groups) {
+            marks[*group as usize] = Some(place);
+        }
+        let mut points: Vec<u64> = Vec::new();
+        let mut of = vec![0; self.groups.len()];
+        for first in &self.groups {
+            let Some(start) = marks[*first as usize].take() else { continue };
+            let mut queue = vec![start];
+            let mut sum = 0;
+            while let Some(place) = queue.pop() {
+                of[place as usize] = points.len();
+                sum += self.points[place as usize];
+                let group = self.groups[place as usize] as usize;
+                queue.extend(level.near(group).iter().filter_map(|near| marks[*near as usize].take()));
+            }
+            points.push(sum);
+        }
+        // Stable: among equals the one that was found first.
+        let mut ranks: Vec<usize> = (0..points.len()).collect();
+        ranks.sort_by_key(|part| std::cmp::Reverse(points[*part]));
+        let mut rank_of = vec![0; points.len()];
+        for (rank, part) in ranks.iter().enumerate() {
+            rank_of[*part] = rank;
+        }
+        Parts {
+            of: of.into_iter().map(|part| rank_of[part]).collect(),
+            points: ranks.into_iter().map(|part| points[part]).collect(),
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! From cells and points to planes and labels.
+
+use crate::bend::Bend;
+use crate::cell::Noise;
+use crate::field::Field;
+use crate::grow::{Growth, Region as Grown, grow};
+use crate::join::join_touching;
+use crate::labels::{ByCell, Labels, Piece, Points};
+use crate::parts::take_apart;
+use crate::surface::Surface;
+use crate::{Cell, RegionsError, Settings};
+
+/// Points are taken to be known no better than to this share of a coarser cell: what is smaller is not looked at as a shape.
+const FLOOR: f64 = 0.05;
+/// Where planes scatter by more than this, in units of the variance of errors, errors are not all there is: surfaces or sensors are
+/// bent.
+const TRUSTED: f64 = 1.05;
+/// Cells may then lie off by so many standard deviations of the others of their region.
+const SPREAD: f64 = 3.0;
+/// Errors are taken for larger than stated by this at most, as a variance.
+const MOST_SCALE: f64 = 10.0;
+/// A plane is as wide as so many of the coarser cells.
+const NARROWEST: f64 = 1.5;
+/// Without a setting: the share of all points and their least number, the share of the area of all planes, and the number of
+/// coarser cells that is always enough.
+const SHARE_OF_POINTS: f64 = 0.001;
+const FEWEST_POINTS: f64 = 20.0;
+const SHARE_OF_AREA: f64 = 0.0025;
+const ENOUGH_CELLS: f64 = 50.0;
+/// A part that does not touch the rest has so many times the fewest points of a plane.
+const PART: f64 = 2.0;
+/// A bend is seen from so many standard errors on.
+const SIGNIFICANT: f64 = 4.0;
+
+/// A plane and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Unit normal; which way it points means nothing.
+    pub normal: [f64; 3],
+    /// A point of the plane: the mean of the points it was fitted to, in metres.
+    pub centroid: [f64; 3],
+    /// Number of points with its label.
+    pub points: u64,
+    /// The area they cover, in m².
+    pub area: f64,
+    /// Mean squared distance of the points it was fitted to, in units of their errors.
+    pub reduced_chi_squared: f64,
+    /// Standard error of the orientation where it is least sure, in radians, were the points' errors independent.
+    pub tilt: f64,
+    /// How the surface of its points is bent; `None` for too few.
+    pub bend: Option<Bend>,
+    /// Regions of one number are parts of the same plane that do not touch.
+    pub surface: u32,
+}
+
+/// Planes and the points of each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segmentation {
+    /// The planes, those with most points first.
+    pub regions: Vec<Region>,
+    /// For each point the number of its plane, from 0.
+    pub labels: Vec<Option<u32>>,
+    /// What the variances of errors were multiplied by, because planes scatter by more: 1 where stated errors are all there is.
+    pub noise_scale: f64,
+    /// The fewest points and the least area of a plane, in m².
+    pub min_points: f64,
+    /// See [`min_points`](Self::min_points).
+    pub min_area: f64,
+}
+
+/// Finds the planes of a scene.
+///
+/// `cells` have an edge of `edge` metres and different keys: half of what noise and spacing suggest for a cell, since regions
+/// are looked for at once, twice and four times that. `points` are those the cells are sums of.
+///
+/// # Errors
+/// [`RegionsError`] for cells or points that contradict each other, and settings out of their range.
+pub fn segment(
+    cells: &[Cell],
+    edge: f64,
+    points: Points,
+    settings: &Settings,
+) -> Result<Segmentation, RegionsError> {
+    settings.validate()?;
+    let field = Field::of(cells, edge)?;
+    let by_cell = ByCell::of(points, cells.len())?;
+    let (mut grown, noise) = grow_as_noise_allows(&field);
+    let narrowest = NARROWEST * field.coarse_edge();
+    grown.retain(|region| {
+        let [_, across, _] = region.fitted.fit.variances;
+        // A strip of the width w scatters by w² / 12.
+        region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
+    });
+    let fewest = (SHARE_OF_POINTS * by_cell.len() as f64).max(FEWEST_POINTS);
+    let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
+    let mut labels = Labels::of(&field, noise, &grown, &by_cell, settings.reach, fewest);
+
+    let (numbers, from) = take_apart(&field, &labels.pieces, grown.len(), PART * fewest);
+    labels.renumber(&by_cell, &numbers);
+    let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
+    let mut pieces_of: Vec<Vec<Piece>> = vec![Vec::new(); surface_of.len()];
+    for piece in &labels.pieces {
+        pieces_of[piece.region as usize].push(*piece);
+    }
+    let mut found: Vec<(u32, Region)> = Vec::new();
+    for ((number, surface), pieces) in (0..).zip(&surface_of).zip(&pieces_of) {
+        let fitted = &grown[*surface as usize].fitted;
+        let looks = Surface::of(&field, fitted, pieces.iter());
+        // Errors that are larger than stated do not hide a bend.
+        let bend = looks.bend(fitted.variance / noise.scale);
+        let curved = |bend: &Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
+        if looks.points > 0 {
+            found.push((
+                number,
+                Region {
+                    normal: fitted.plane.normal.to_array(),
+                    centroid: fitted.plane.point.to_array(),
+                    points: looks.points,
+                    area: looks.area,
+                    reduced_chi_squared: fitted.reduced_chi_squared,
+                    tilt: fitted.tilt,
+                    bend,
+                    surface: *surface,
+                },
+            ));
+            if bend.as_ref().is_some_and(curved) {
+                found.pop();
+            }
+        }
+    }
+    let all: f64 = found.iter().map(|(_, region)| region.area).sum();
+    let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
+    let least = settings.min_area.unwrap_or(least);
+    found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);
+    found.sort_by_key(|(number, region)| (std::cmp::Reverse(region.points), *number));
+    let mut rank: Vec<Option<u32>> = vec![None; surface_of.len()];
+    for (new, (old, _)) in (0..).zip(&found) {
+        rank[*old as usize] = Some(new);
+    }
+    Ok(Segmentation {
+        regions: found.into_iter().map(|(_, region)| region).collect(),
+        labels: labels.of.iter().map(|label| rank[(*label)? as usize]).collect(),
+        noise_scale: noise.scale,
+        min_points: fewest,
+        min_area: least,
+    })
+}
+
+/// The regions, and the errors that explain them.
+///
+/// Stated errors are trusted while planes are as flat as they say. Where they are not, the cells of a region may scatter by more,
+/// and the errors are taken to be as large as most points then show.
+fn grow_as_noise_allows(field: &Field) -> (Vec<Grown>, Noise) {
+    let floor = (FLOOR * field.coarse_edge()).powi(2);
+    let stated = Noise { scale: 1.0, floor };
+    let grow = |noise: Noise, spread: f64| join_touching(field, noise, grow(field, Growth { noise, spread }));
+    let strict = grow(stated, 0.0);
+    if usual_chi_squared(&strict) <= TRUSTED {
+        return (strict, stated);
+    }
+    let scale = usual_chi_squared(&grow(stated, SPREAD)).clamp(1.0, MOST_SCALE);
+    let noise = Noise { scale, floor };
+    (grow(noise, SPREAD), noise)
+}
+
+/// That of the region which has half of the points on smoother ones.
+fn usual_chi_squared(regions: &[Grown]) -> f64 {
+    let mut seen: Vec<(f64, f64)> =
+        regions.iter().map(|r| (r.fitted.reduced_chi_squared, r.fitted.points())).collect();
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = seen.iter().map(|(_, points)| points).sum::<f64>() / 2.0;
+    let mut sum = 0.0;
+    let middle = seen.iter().find(|(_, points)| {
+        sum += points;
+        sum >= half
+    });
+    middle.map_or(1.0, |(value, _)| *value)
+}

@@ -1,0 +1,44 @@
+//! What may be set.
+
+use crate::RegionsError;
+
+/// What makes a region a plane, and a point one of its points. All have defaults that follow from the data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The largest standard error of a plane's orientation, in radians.
+    pub tilt: f64,
+    /// The largest distance of a point from its plane, in standard errors.
+    pub reach: f64,
+    /// The normal of a plane turns over its surface by less than this, rms, in radians. What turns further, significantly, is curved.
+    pub turn: f64,
+    /// The fewest points of a plane. `None`: a thousandth of all points, and at least twenty.
+    pub min_points: Option<u64>,
+    /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
+    /// cells of the coarser resolution.
+    pub min_area: Option<f64>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { tilt: 0.01, reach: 3.25, turn: 0.12, min_points: None, min_area: None }
+    }
+}
+
+impl Settings {
+    /// # Errors
+    /// [`RegionsError::Setting`] for the first setting out of its range.
+    pub fn validate(&self) -> Result<(), RegionsError> {
+        let above_zero = [("tilt", self.tilt), ("reach", self.reach), ("turn", self.turn)];
+        for (name, value) in above_zero {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(RegionsError::Setting { name, value, expected: "above zero and finite" });
+            }
+        }
+        match self.min_area {
+            Some(value) if !(value >= 0.0 && value.is_finite()) => {
+                Err(RegionsError::Setting { name: "min_area", value, expected: "at least zero and finite" })
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What the labelled points of a region look like: area and bend.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use crate::bend::{Bend, Column};
+use crate::field::Field;
+use crate::flat::Fitted;
+use crate::labels::Piece;
+
+/// Points and the sum of their places from the centroid.
+#[derive(Default, Clone, Copy)]
+struct Sum {
+    points: f64,
+    place: DVec3,
+}
+
+/// The points of a region in columns along the main axis of its normal, each as wide as a cell.
+pub(crate) struct Surface {
+    columns: Vec<Column>,
+    pub(crate) points: u64,
+    /// In m².
+    pub(crate) area: f64,
+}
+
+impl Surface {
+    pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
+        let normal = fitted.plane.normal;
+        let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
+        let mut columns: BTreeMap<[i32; 2], Sum> = BTreeMap::new();
+        let mut all = 0;
+        for piece in pieces {
+            let key = field.keys[piece.cell as usize];
+            let anchor = DVec3::from(field.cells[piece.cell as usize].stats.anchor()) - fitted.plane.point;
+            let points = f64::from(piece.points);
+            let column = columns.entry([key[(axis + 1) % 3], key[(axis + 2) % 3]]).or_default();
+            column.points += points;
+            column.place += piece.sum + anchor * points;
+            all += u64::from(piece.points);
+        }
+        let area = columns.len() as f64 * field.edge * field.edge / normal[axis].abs();
+        let [u, v] = fitted.fit.axes.map(DVec3::from);
+        let column = |sum: &Sum| {
+            let mean = sum.place / sum.points;
+            Column { points: sum.points, place: [mean.dot(u), mean.dot(v)], height: mean.dot(normal) }
+        };
+        Self { columns: columns.values().map(column).collect(), points: all, area }
+    }
+
+    /// How the surface is bent, with this variance of a point's error along the normal, in m².
+    pub(crate) fn bend(&self, variance: f64) -> Option<Bend> {
+        Bend::of(&self.columns, variance)
+    }
+}
