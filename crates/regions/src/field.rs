@@ -70,6 +70,18 @@ impl Field {
     }
 }
 
+/// For each cell the sums of its points and those of the up to 26 cells that share a face, an edge or a corner with it.
+pub fn sums_around(cells: &[Cell]) -> Vec<Stats> {
+    let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
+    let level = Level::of(&keys, 0);
+    let around = |cell: usize| {
+        let mut sum = cells[cell].stats;
+        level.near(cell).iter().for_each(|near| sum.merge(&cells[*near as usize].stats));
+        sum
+    };
+    (0..level.len()).into_par_iter().map(around).collect()
+}
+
 fn planes_around(level: &Level, cells: &[Sums]) -> Vec<Option<Around>> {
     let sum = |group: usize| -> Option<Stats> {
         let mut members = level.cells(group).iter().map(|cell| &cells[*cell as usize].stats);

@@ -41,6 +41,8 @@ pub(crate) struct Piece {
     pub(crate) points: u32,
     /// Sum of their places from the anchor of the cell.
     pub(crate) sum: DVec3,
+    /// Sum of their squared distances from its plane, in m².
+    pub(crate) squares: f64,
 }
 
 /// What is known of a region when points are labelled.

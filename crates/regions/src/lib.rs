@@ -27,8 +27,9 @@ mod surface;
 pub use bend::Bend;
 pub use cell::Cell;
 pub use error::RegionsError;
+pub use field::sums_around;
 pub use labels::Points;
-pub use segment::{Region, Segmentation, segment};
+pub use segment::{Region, Segmentation, Share, segment};
 pub use settings::Settings;
 
 /// The examples of the README are tests.

@@ -38,9 +38,13 @@ pub struct Region {
     /// Unit normal; which way it points means nothing.
     pub normal: [f64; 3],
     /// A point of the plane: the mean of the points it was fitted to, in metres.
-    pub centroid: [f64; 3],
+    pub point: [f64; 3],
     /// Number of points with its label.
     pub points: u64,
+    /// Their mean, in metres.
+    pub centroid: [f64; 3],
+    /// Their root mean square distance from the plane, in metres.
+    pub rms: f64,
     /// The area they cover, in m².
     pub area: f64,
     /// Mean squared distance of the points it was fitted to, in units of their errors.
@@ -53,6 +57,17 @@ pub struct Region {
     pub surface: u32,
 }
 
+/// Some points of a cell, all of one plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Share {
+    /// The place of the cell.
+    pub cell: u32,
+    /// The number of the plane.
+    pub region: u32,
+    /// How many there are.
+    pub points: u32,
+}
+
 /// Planes and the points of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segmentation {
@@ -60,6 +75,8 @@ pub struct Segmentation {
     pub regions: Vec<Region>,
     /// For each point the number of its plane, from 0.
     pub labels: Vec<Option<u32>>,
+    /// How many points of each cell are of which plane, in the order of the cells.
+    pub shares: Vec<Share>,
     /// What the variances of errors were multiplied by, because planes scatter by more: 1 where stated errors are all there is.
     pub noise_scale: f64,
     /// The fewest points and the least area of a plane, in m².
@@ -114,8 +131,10 @@ pub fn segment(
                 number,
                 Region {
                     normal: fitted.plane.normal.to_array(),
-                    centroid: fitted.plane.point.to_array(),
+                    point: fitted.plane.point.to_array(),
                     points: looks.points,
+                    centroid: looks.centroid.to_array(),
+                    rms: looks.rms,
                     area: looks.area,
                     reduced_chi_squared: fitted.reduced_chi_squared,
                     tilt: fitted.tilt,
@@ -137,7 +156,12 @@ pub fn segment(
     for (new, (old, _)) in (0..).zip(&found) {
         rank[*old as usize] = Some(new);
     }
+    let share = |piece: &Piece| {
+        let region = rank[piece.region as usize]?;
+        Some(Share { cell: piece.cell, region, points: piece.points })
+    };
     Ok(Segmentation {
+        shares: labels.pieces.iter().filter_map(share).collect(),
         regions: found.into_iter().map(|(_, region)| region).collect(),
         labels: labels.of.iter().map(|label| rank[(*label)? as usize]).collect(),
         noise_scale: noise.scale,

@@ -20,6 +20,10 @@ struct Sum {
 pub(crate) struct Surface {
     columns: Vec<Column>,
     pub(crate) points: u64,
+    /// Their mean, in metres.
+    pub(crate) centroid: DVec3,
+    /// Their root mean square distance from the plane, in metres.
+    pub(crate) rms: f64,
     /// In m².
     pub(crate) area: f64,
 }
@@ -29,7 +33,7 @@ impl Surface {
         let normal = fitted.plane.normal;
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
         let mut columns: BTreeMap<[i32; 2], Sum> = BTreeMap::new();
-        let mut all = 0;
+        let (mut all, mut squares) = (0, 0.0);
         for piece in pieces {
             let key = field.keys[piece.cell as usize];
             let anchor = DVec3::from(field.cells[piece.cell as usize].stats.anchor()) - fitted.plane.point;
@@ -38,6 +42,7 @@ impl Surface {
             column.points += points;
             column.place += piece.sum + anchor * points;
             all += u64::from(piece.points);
+            squares += piece.squares;
         }
         let area = columns.len() as f64 * field.edge * field.edge / normal[axis].abs();
         let [u, v] = fitted.fit.axes.map(DVec3::from);
@@ -45,7 +50,14 @@ impl Surface {
             let mean = sum.place / sum.points;
             Column { points: sum.points, place: [mean.dot(u), mean.dot(v)], height: mean.dot(normal) }
         };
-        Self { columns: columns.values().map(column).collect(), points: all, area }
+        let off: DVec3 = columns.values().map(|column| column.place).sum();
+        Self {
+            columns: columns.values().map(column).collect(),
+            points: all,
+            centroid: fitted.plane.point + off / all as f64,
+            rms: (squares / all as f64).sqrt(),
+            area,
+        }
     }
 
     /// How the surface is bent, with this variance of a point's error along the normal, in m².
