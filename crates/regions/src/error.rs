@@ -15,6 +15,14 @@ pub enum RegionsError {
         /// Its place among the cells.
         cell: usize,
     },
+    /// Two cells at one place of the lattice.
+    #[error("of {cells} cells, only {places} are at different places of the lattice")]
+    SameKey {
+        /// Number of cells.
+        cells: usize,
+        /// Number of different keys.
+        places: usize,
+    },
     /// More cells than are numbered.
     #[error("{cells} cells are more than 2^32 − 1")]
     TooMany {

@@ -55,6 +55,9 @@ impl Field {
             .map(|(cell, of)| Sums::of(of.stats).ok_or(RegionsError::Cell { cell }))
             .collect::<Result<Vec<Sums>, RegionsError>>()?;
         let levels: Vec<Level> = (0..LEVELS).into_par_iter().map(|level| Level::of(&keys, level)).collect();
+        if let Some(places) = levels.first().map(Level::len).filter(|places| *places != cells.len()) {
+            return Err(RegionsError::SameKey { cells: cells.len(), places });
+        }
         let around = levels.iter().map(|level| planes_around(level, &sums)).collect();
         Ok(Self { cells: sums, keys, levels, around, edge })
     }
@@ -71,6 +74,7 @@ impl Field {
 }
 
 /// For each cell the sums of its points and those of the up to 26 cells that share a face, an edge or a corner with it.
+/// The keys of cells are to be different.
 pub fn sums_around(cells: &[Cell]) -> Vec<Stats> {
     let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
     let level = Level::of(&keys, 0);

@@ -308,16 +308,21 @@ impl Labelling<'_> {
         let mut pieces: Vec<Piece> = Vec::new();
         for (number, cell) in (0..).zip(of_cells) {
             let first = pieces.len();
+            let anchor = DVec3::from(self.field.cells[number as usize].stats.anchor());
             let points =
                 self.by_cell.of_cell(number as usize).iter().zip(self.by_cell.places(number as usize));
             for ((point, place), label) in points.zip(&cell.labels) {
-                let Some(region) = label.filter(|region| candidates[*region as usize].is_some()) else {
-                    continue;
-                };
+                let known = |region: u32| Some((region, candidates[region as usize].as_ref()?));
+                let Some((region, candidate)) = label.and_then(known) else { continue };
                 of[*point as usize] = Some(region);
+                let squares = candidate.plane.distance(anchor + place).powi(2);
                 match pieces[first..].iter_mut().find(|piece| piece.region == region) {
-                    Some(piece) => (piece.points, piece.sum) = (piece.points + 1, piece.sum + place),
-                    None => pieces.push(Piece { region, cell: number, points: 1, sum: place }),
+                    Some(piece) => {
+                        piece.points += 1;
+                        piece.sum += place;
+                        piece.squares += squares;
+                    }
+                    None => pieces.push(Piece { region, cell: number, points: 1, sum: place, squares }),
                 }
             }
         }
