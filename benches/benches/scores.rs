@@ -1,9 +1,10 @@
 //! The scoreboard: what the default settings find on every labelled scene of the data folder.
 //!
-//! `cargo bench -p terrace-benches --bench scores [-- [--confirm] [--moved] [--planes] [--csv FILE] [--export DIR] SCENE...]`
+//! `cargo bench -p terrace-benches --bench scores [-- [--clusters] [--join] [--moved] [--planes] [--csv FILE] [--export DIR] SCENE...]`
 //!
 //! * `SCENE`: part of the name of a scene or group; without any, all are run.
-//! * `--confirm`: keep planes that are sure enough, and label points one by one.
+//! * `--clusters`: planes as clusters of cells, with labels of cells.
+//! * `--join`: planes that do not touch are joined where they are the same within their covariances.
 //! * `--moved`: each scene again, turned at random and moved by 5000 km along each axis, with how many planes match that
 //!   did not before, and how many are the same planes.
 //! * `--planes`: under each scene, what became of every true plane and which found planes are of none.
@@ -19,7 +20,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use terrace::{Confirm, Params};
+use terrace::{Join, Params, Regions};
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
 use terrace_benches::overlap::{Overlaps, Part};
 use terrace_benches::{Score, export, peers, value};
@@ -64,7 +65,8 @@ const BOTH: [(&str, &str, usize); 5] = [
 
 #[derive(Default)]
 struct Args {
-    confirm: bool,
+    clusters: bool,
+    join: bool,
     moved: bool,
     planes: bool,
     csv: Option<PathBuf>,
@@ -107,7 +109,8 @@ fn arguments() -> Outcome<Args> {
     while let Some(word) = given.next() {
         match word.as_str() {
             "--bench" => {}
-            "--confirm" => args.confirm = true,
+            "--clusters" => args.clusters = true,
+            "--join" => args.join = true,
             "--moved" => args.moved = true,
             "--planes" => args.planes = true,
             "--csv" => args.csv = Some(given.next().ok_or("--csv FILE")?.into()),
@@ -145,9 +148,20 @@ fn board(args: &Args) -> Outcome<()> {
     Ok(())
 }
 
+fn params(args: &Args) -> Params {
+    match (args.clusters, args.join) {
+        (true, _) => Params::clusters(),
+        (false, true) => Params {
+            regions: Some(Regions { join: Join::Coplanar, ..Regions::default() }),
+            ..Params::default()
+        },
+        (false, false) => Params::default(),
+    }
+}
+
 fn row(entry: Entry, scene: &Labelled, args: &Args) -> Outcome<Row> {
     eprintln!("{} ...", entry.name);
-    let params = Params { confirm: args.confirm.then(Confirm::default), ..Params::default() };
+    let params = params(args);
     let score = Score::of(scene, params)?;
     if let Some(folder) = &args.export {
         export::write(folder, &entry, scene, &score)?;
@@ -278,20 +292,17 @@ fn print_planes(name: &str, scene: &Labelled, score: &Score) {
 
 fn print_found(name: &str, score: &Score, overlaps: &Overlaps) {
     println!("\n{name}: found planes that match none above 0.8\n");
-    println!(
-        "| found | points | cells | rms mm | s max | φ | best IoU | true: shared points of all its points |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("| found | points | cells | rms mm | tilt | best IoU | true: shared points of all its points |");
+    println!("|---|---|---|---|---|---|---|");
     for (label, points) in overlaps.found().filter(|(label, _)| *label > 0) {
         let truth = overlaps.in_found(label);
         let Some(plane) = score.planes.iter().find(|p| p.id.get().cast_signed() == label) else { continue };
         if best(&truth) <= Evaluation::STRICT {
             println!(
-                "| {label} | {points} | {} | {:.1} | {:.3} | {:.4} | {:.3} | {} |",
+                "| {label} | {points} | {} | {:.1} | {} | {:.3} | {} |",
                 plane.cells,
                 1000.0 * plane.rms,
-                plane.normal_uncertainty.into_iter().fold(0.0, f64::max),
-                plane.phi,
+                number(plane.estimate.map(|estimate| estimate.largest_tilt()), 4),
                 best(&truth),
                 parts(&truth)
             );

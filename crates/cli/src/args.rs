@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use terrace::Params;
 use terrace_noise::SensorNoise;
 
 use crate::calibrate_args::CalibrateArgs;
@@ -96,8 +97,8 @@ pub struct TuneArgs {
     /// Folder for the results; made when missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Parameters to start from
-    #[arg(long, value_enum, default_value = "default")]
+    /// Parameters to start from: those of clusters, which are what is tuned
+    #[arg(long, value_enum, default_value = "clusters")]
     pub preset: Preset,
     /// Edges of a grid cell in metres [default: half to twice the one chosen from the data]
     #[arg(
@@ -245,10 +246,32 @@ pub struct ReproduceArgs {
 /// Parameters to start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// Order-independent cells, planes of all points, most certain seeds first
+    /// Regions grown at several resolutions, points labelled one by one
     Default,
-    /// The method as the paper describes it
+    /// Clusters of cells with like normals, the uncertain ones split at a threshold of their own
+    Clusters,
+    /// Clusters as the paper describes them
     Paper,
+}
+
+impl Preset {
+    /// As it is called on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::Clusters => "clusters",
+            Self::Paper => "paper",
+        }
+    }
+
+    /// The settings it stands for.
+    pub fn params(self) -> Params {
+        match self {
+            Self::Default => Params::default(),
+            Self::Clusters => Params::clusters(),
+            Self::Paper => Params::paper(),
+        }
+    }
 }
 
 /// Cost of a threshold.

@@ -107,17 +107,26 @@ pub struct CalibrateArgs {
     /// Edge of a grid cell in metres [default: from spacing and noise of the first scan]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Method")]
     pub cell: Option<f64>,
+    /// Judge the planes of clusters of cells (extract --preset clusters), not those of regions
+    #[arg(long, help_heading = "Method")]
+    pub clusters: bool,
     /// Orientation threshold of the first clustering, 0 to 1 [default: 0.1]
-    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Method")]
+    #[arg(
+        long,
+        value_name = "X",
+        allow_negative_numbers = true,
+        requires = "clusters",
+        help_heading = "Method"
+    )]
     pub phi: Option<f64>,
     /// Points that make a cell dense [default: a tenth of the median, at least 4]
     #[arg(long, value_name = "N", help_heading = "Method")]
     pub tau: Option<u64>,
     /// Depth of the neighbourhoods normals are fitted to [default: 1]
-    #[arg(long, value_name = "N", help_heading = "Method")]
+    #[arg(long, value_name = "N", requires = "clusters", help_heading = "Method")]
     pub depth: Option<u32>,
     /// Clusters of fewer cells are not planes [default: 5]
-    #[arg(long, value_name = "N", help_heading = "Method")]
+    #[arg(long, value_name = "N", requires = "clusters", help_heading = "Method")]
     pub min_cells: Option<usize>,
     /// Standard error in metres that does not average out over the points of a plane. Scans against each other are looked
     /// at without and with it

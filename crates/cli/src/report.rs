@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 use terrace::{
-    Assignment, CostForm, ExtractedPlane, FitTo, NoiseKnot, NoiseLevel, PlaneEstimate, PlaneId, PlaneMap,
-    Search, Weighting,
+    Assignment, CostForm, ExtractedPlane, FitTo, Grown, Join, NoiseKnot, NoiseLevel, PlaneEstimate, PlaneId,
+    PlaneMap, Regions, Search, Weighting,
 };
 use terrace_io::planes_json::{
     OptimisedSummary, PhiInterval, PlaneRecord, PlanesFile, Summary, TiltOffset, Timings,
@@ -37,7 +37,7 @@ pub fn planes_file(
 fn record(plane: &ExtractedPlane, area: Option<f64>) -> PlaneRecord {
     let mut record = PlaneRecord::new(plane.id, &plane.plane, plane.points);
     record.centroid = Some(plane.centroid);
-    record.normal_uncertainty = Some(plane.normal_uncertainty);
+    record.normal_uncertainty = plane.normal_uncertainty;
     if let Some(estimate) = &plane.estimate {
         record.covariance = Some(estimate.coefficients);
         record.tilt_offset_covariance = Some(tilt_offset(estimate));
@@ -48,8 +48,8 @@ fn record(plane: &ExtractedPlane, area: Option<f64>) -> PlaneRecord {
     record.cells = Some(plane.cells as u64);
     record.area = area;
     record.rms = Some(plane.rms);
-    record.phi = Some(plane.phi);
-    record.phi_interval = Some(PhiInterval { lo: plane.phi_interval.lo, hi: plane.phi_interval.hi });
+    record.phi = plane.phi;
+    record.phi_interval = plane.phi_interval.map(|interval| PhiInterval { lo: interval.lo, hi: interval.hi });
     record
 }
 
@@ -103,10 +103,7 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ),
         ("seeds", json!(if p.random_seeds { "random" } else { "most_certain" })),
         ("optimise", optimise),
-        (
-            "confirm",
-            json!(p.confirm.map(|c| json!({ "tilt": c.tilt, "distance": c.distance, "share": c.share }))),
-        ),
+        ("regions", json!(p.regions.zip(used.grown).map(|(asked, used)| regions(&asked, &used)))),
         ("estimate", json!(p.estimate.map(|estimate| json!({ "floor": estimate.floor })))),
         ("noise_found", json!(map.noise.as_ref().map(noise))),
         ("min_cells", json!(p.min_cells)),
@@ -128,6 +125,18 @@ fn optimised(map: &PlaneMap) -> OptimisedSummary {
         certified_mean: (clusters > 0).then(|| certified / clusters as f64),
         evaluations: searches().map(|m| m.evaluations as u64).sum(),
     }
+}
+
+fn regions(asked: &Regions, used: &Grown) -> Value {
+    json!({
+        "join": match asked.join { Join::Touching => "touching", Join::Coplanar => "coplanar" },
+        "tilt": asked.tilt,
+        "reach": asked.reach,
+        "turn": asked.turn,
+        "min_points": used.min_points,
+        "min_area": used.min_area,
+        "noise_scale": used.noise_scale,
+    })
 }
 
 fn noise(found: &NoiseLevel) -> Value {

@@ -3,6 +3,7 @@
 use terrace_cluster::ClusterError;
 use terrace_crs::SearchError;
 use terrace_grid::GridError;
+use terrace_regions::RegionsError;
 
 /// A parameter that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -59,4 +60,7 @@ pub enum ExtractError {
     /// The search for φ was refused: weights so large that β is not finite.
     #[error(transparent)]
     Search(#[from] SearchError),
+    /// Cells or points were refused by the regions: more points than are numbered.
+    #[error(transparent)]
+    Regions(#[from] RegionsError),
 }

@@ -5,11 +5,9 @@ use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
-use crate::confirm::Candidates;
 use crate::estimate::estimate_planes;
 use crate::facing::face_sensors;
 use crate::first::First;
-use crate::layers::{LAYERS, layers_apart};
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
 use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
@@ -20,6 +18,11 @@ pub enum Stage {
     /// Planes are fitted to the neighbourhoods of the dense cells.
     Normals {
         /// Number of cells with a point. Those that are dense get a plane.
+        cells: usize,
+    },
+    /// Regions are grown.
+    Grow {
+        /// Number of cells with a point.
         cells: usize,
     },
     /// Cells are clustered at the first φ.
@@ -52,47 +55,33 @@ impl Mapper {
     ///
     /// # Errors
     /// As [`Mapper::extract`].
-    pub fn extract_observed(&self, mut begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+    pub fn extract_observed(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+        match self.params().grows() {
+            Some(regions) => self.extract_regions(&regions, begins),
+            None => self.extract_clusters(begins),
+        }
+    }
+
+    /// The planes as clusters, the uncertain ones at the φ of least cost.
+    fn extract_clusters(&self, mut begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
         let first = First::cluster(self, &mut begins)?;
         begins(Stage::Optimise { clusters: first.uncertain(self.params()).count() });
         let (parts, optimised) = improve(&first, self.params())?;
 
         begins(Stage::Label { points: self.len() });
         let First { grid, nodes, used, clustered, .. } = first;
-        let mut parts = parts;
-        let mut round = 0;
-        let (mut planes, mut plane_of_node, plane_of_cell, errors) = loop {
-            let (mut planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
-            let mut plane_of_cell = vec![None; grid.len()];
-            for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
-                plane_of_cell[cell.index()] = *plane;
-            }
-            let found =
-                estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau);
-            let (errors, layers) = found.unzip();
-            round += 1;
-            let apart = layers.filter(|_| self.params().confirms() && round < LAYERS).and_then(|layers| {
-                layers_apart(&planes, &plane_of_node, &layers, &nodes, self.params().min_cells)
-            });
-            match apart {
-                Some(apart) => parts = apart,
-                None => break (planes, plane_of_node, plane_of_cell, errors),
-            }
-        };
-        let labels: Vec<_> = match (&errors, self.params().confirm) {
-            (Some(errors), Some(confirm)) => {
-                let found = Candidates { mapper: self, grid, nodes: &nodes, errors, confirm };
-                found.confirm(&mut planes, &mut plane_of_node, &plane_of_cell)
-            }
-            _ => self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect(),
-        };
-        face_sensors(&mut planes, &labels, self.views());
-        if self.params().estimate.is_none() {
-            for plane in &mut planes {
-                plane.estimate = None;
-            }
+        let (mut planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
+        let mut plane_of_cell = vec![None; grid.len()];
+        for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
+            plane_of_cell[cell.index()] = *plane;
         }
-        let noise = errors.and_then(|errors| errors.level);
+        let estimated = self.params().estimate.and_then(|_| {
+            estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau)
+        });
+        let labels: Vec<_> =
+            self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        face_sensors(&mut planes, &labels, self.views());
+        let noise = estimated.and_then(|errors| errors.level);
         let cells = nodes
             .stats
             .iter()
@@ -159,13 +148,13 @@ pub(crate) fn fit_parts(
                 id,
                 plane,
                 centroid: stats.mean()?,
-                normal_uncertainty: part.uncertainty,
+                normal_uncertainty: Some(part.uncertainty),
                 estimate: None,
                 points: stats.count(),
                 cells: part.nodes.len(),
                 rms,
-                phi: part.phi,
-                phi_interval: part.interval,
+                phi: Some(part.phi),
+                phi_interval: Some(part.interval),
             })
         })
         .collect();

@@ -79,7 +79,10 @@ pub(crate) fn used_of(mapper: &Mapper) -> Result<(&VoxelGrid, Used), ExtractErro
     let grid = mapper.grid().filter(|grid| !grid.is_empty()).ok_or(ExtractError::Empty)?;
     let params = *mapper.params();
     let tau = params.tau.unwrap_or_else(|| tenth_of_median_density(grid));
-    Ok((grid, Used { params, cell_size: grid.cell_size(), chosen: mapper.chosen_cell_size(), tau }))
+    Ok((
+        grid,
+        Used { params, cell_size: grid.cell_size(), chosen: mapper.chosen_cell_size(), tau, grown: None },
+    ))
 }
 
 /// A tenth of the median number of points of a cell, and at least 4, so that a plane through a cell is more than its

@@ -47,19 +47,18 @@
 //! label; points too far away for the grid are counted and left out ([`Inserted`]). Nothing panics.
 
 mod cell_size;
-mod confirm;
 mod cost;
 mod error;
 mod estimate;
 mod extract;
 mod facing;
 mod first;
-mod layers;
 mod mapper;
 mod nodes;
 mod optimise;
 mod params;
 mod plane_map;
+mod regions;
 pub mod tune;
 mod uncertain;
 
@@ -71,8 +70,8 @@ pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
 pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
-pub use params::{Confirm, Estimate, Optimise, Params, Search, Weighting};
-pub use plane_map::{CellCounts, ExtractedPlane, LabelledCell, PlaneMap, Summary, Used};
+pub use params::{Estimate, Join, Optimise, Params, Regions, Search, Weighting};
+pub use plane_map::{CellCounts, ExtractedPlane, Grown, LabelledCell, PlaneMap, Summary, Used};
 pub use uncertain::{UncertainCluster, UncertainClusters};
 
 pub use terrace_cluster::{Interval, SeedOrder};

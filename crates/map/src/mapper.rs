@@ -149,8 +149,8 @@ impl Mapper {
         let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
         self.views.push(View { points: scan.len(), sensor: scan.sensor_position(), pose });
         self.cell_of_point.reserve(scan.len());
-        let confirmed = self.params.confirms();
-        if confirmed {
+        let by_points = self.params.grows().is_some();
+        if by_points {
             self.places.reserve(scan.len());
         }
         for point in scan.world_points() {
@@ -170,7 +170,7 @@ impl Mapper {
             };
             inserted.points += usize::from(cell.is_some());
             self.cell_of_point.push(cell);
-            if confirmed {
+            if by_points {
                 let centre = cell.and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
                 self.places.push(centre.zip(point).map_or([0.0; 3], |(centre, point)| {
                     // A thousandth of a per mille of a cell is enough.

@@ -3,6 +3,7 @@
 use terrace_cluster::SeedOrder;
 use terrace_grid::{Assignment, Connectivity, validate_cell_size};
 use terrace_normals::FitTo;
+use terrace_regions::RegionsError;
 
 use crate::{Beta, CostForm, ParamsError};
 
@@ -51,10 +52,11 @@ pub struct Params {
     /// ([`ExtractedPlane::estimate`](crate::ExtractedPlane::estimate)); `None` leaves planes as fitted by least squares.
     /// Not for the paper's way of finding cells, whose points are not those of a place, and not for weighted points.
     pub estimate: Option<Estimate>,
-    /// Keep planes that are sure enough, take layers apart, and label points one by one, by their distance; `None` reports every
-    /// cluster as a plane and gives points the label of their cell. Like covariances, not for the paper's way of finding cells, and
-    /// not for weighted points.
-    pub confirm: Option<Confirm>,
+    /// Grow planes as regions, at several resolutions, with every threshold in standard errors, and label points one by one; `None` is
+    /// the paper's way: clusters of cells with like normals, and points with the label of their cell. Of the settings above,
+    /// regions use cell size, connectivity and depth (for the uncertainty of the normals of their cells), τ (for covariances) and
+    /// `estimate`. Like covariances, not for the paper's way of finding cells, nor for weighted points: those are clustered.
+    pub regions: Option<Regions>,
     /// Clusters of fewer cells are not reported as planes; their points have no label.
     pub min_cells: usize,
     /// Seed of everything random.
@@ -84,21 +86,48 @@ pub struct Estimate {
     pub floor: f64,
 }
 
-/// Which planes are kept, and which points are theirs.
+/// Settings of regions: what makes one a plane, and a point one of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Confirm {
-    /// Planes whose orientation has a larger standard error, in radians, in the direction in which it is least sure, are not
-    /// reported: strips along edges, scraps, and patches of curved surfaces are as uncertain.
+pub struct Regions {
+    /// The largest standard error of a plane's orientation, in radians: strips along edges, scraps, and patches of curved
+    /// surfaces are less certain.
     pub tilt: f64,
-    /// A point is of the plane it is nearest to in standard errors, at most so many, of those of its cell and the cells around.
-    pub distance: f64,
-    /// Planes that keep a smaller share of the points of their cells, because others are nearer, are not reported.
-    pub share: f64,
+    /// The largest distance of a point from its plane, in standard errors.
+    pub reach: f64,
+    /// A surface whose normal turns by this over it, rms, in radians, is no plane.
+    pub turn: f64,
+    /// The fewest points of a plane. `None`: a thousandth of all points, and at least twenty.
+    pub min_points: Option<u64>,
+    /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
+    /// cells.
+    pub min_area: Option<f64>,
+    /// Which regions are one plane.
+    pub join: Join,
 }
 
-impl Default for Confirm {
+/// Which regions are one plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Join {
+    /// Those that touch and go on without a step.
+    #[default]
+    Touching,
+    /// Also those that are the same within their covariances, wherever they are.
+    Coplanar,
+}
+
+impl Regions {
+    /// Without the join, which regions know nothing of.
+    pub(crate) fn settings(&self) -> terrace_regions::Settings {
+        let Self { tilt, reach, turn, min_points, min_area, .. } = *self;
+        terrace_regions::Settings { tilt, reach, turn, min_points, min_area }
+    }
+}
+
+impl Default for Regions {
     fn default() -> Self {
-        Self { tilt: 0.01, distance: 3.5, share: 0.5 }
+        let terrace_regions::Settings { tilt, reach, turn, min_points, min_area } =
+            terrace_regions::Settings::default();
+        Self { tilt, reach, turn, min_points, min_area, join: Join::default() }
     }
 }
 
@@ -148,7 +177,7 @@ impl Default for Optimise {
 }
 
 impl Default for Params {
-    /// Order-independent cells, planes of all points, most certain seeds first.
+    /// Regions over order-independent cells.
     fn default() -> Self {
         Self {
             cell_size: None,
@@ -163,7 +192,7 @@ impl Default for Params {
             random_seeds: false,
             optimise: Some(Optimise::default()),
             estimate: Some(Estimate::default()),
-            confirm: None,
+            regions: Some(Regions::default()),
             min_cells: 5,
             seed: 0,
         }
@@ -171,6 +200,12 @@ impl Default for Params {
 }
 
 impl Params {
+    /// Clusters of cells with like normals, each uncertain one at the φ of least cost: the paper's idea on order-independent cells, with
+    /// planes of all points, the most certain seeds first, and the certified search.
+    pub fn clusters() -> Self {
+        Self { regions: None, ..Self::default() }
+    }
+
     /// The method as the paper describes it: cells by expected distance, planes of cell centres, random seeds.
     pub fn paper() -> Self {
         Self {
@@ -178,7 +213,7 @@ impl Params {
             fit: FitTo::Centres,
             random_seeds: true,
             estimate: None,
-            confirm: None,
+            regions: None,
             optimise: Some(Optimise { search: Search::PAPER, ..Optimise::default() }),
             ..Self::default()
         }
@@ -189,9 +224,9 @@ impl Params {
         self.assignment == Assignment::Voxel && self.weighting == Weighting::Uniform
     }
 
-    /// Whether planes are confirmed.
-    pub(crate) fn confirms(&self) -> bool {
-        self.confirm.is_some() && self.by_place()
+    /// The settings of regions, if planes are grown.
+    pub(crate) fn grows(&self) -> Option<Regions> {
+        self.regions.filter(|_| self.by_place())
     }
 
     /// The order in which cells found clusters.
@@ -225,26 +260,25 @@ impl Params {
         {
             return Err(ParamsError::new("estimate.floor", floor, "a finite length in metres, from 0"));
         }
-        if let Some(confirm) = self.confirm {
-            confirm.validate()?;
+        if let Some(regions) = self.regions {
+            regions.validate()?;
         }
         self.optimise.map_or(Ok(()), |optimise| optimise.validate())
     }
 }
 
-impl Confirm {
+impl Regions {
     fn validate(&self) -> Result<(), ParamsError> {
-        let positive = |x: f64| x > 0.0 && !x.is_nan();
-        if !positive(self.tilt) {
-            return Err(ParamsError::new("confirm.tilt", self.tilt, "above 0"));
-        }
-        if !positive(self.distance) {
-            return Err(ParamsError::new("confirm.distance", self.distance, "above 0"));
-        }
-        if !(0.0..=1.0).contains(&self.share) {
-            return Err(ParamsError::new("confirm.share", self.share, "from 0 to 1"));
-        }
-        Ok(())
+        let of = |name| match name {
+            "tilt" => "regions.tilt",
+            "reach" => "regions.reach",
+            "turn" => "regions.turn",
+            _ => "regions.min_area",
+        };
+        self.settings().validate().map_err(|refusal| match refusal {
+            RegionsError::Setting { name, value, expected } => ParamsError::new(of(name), value, expected),
+            _ => ParamsError::new("regions", f64::NAN, "usable"),
+        })
     }
 }
 

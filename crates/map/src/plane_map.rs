@@ -16,21 +16,22 @@ pub struct ExtractedPlane {
     pub plane: Plane,
     /// Mean of the points, in metres.
     pub centroid: [f64; 3],
-    /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis.
-    pub normal_uncertainty: [f64; 3],
+    /// (s_x, s_y, s_z): the root of dispersion plus mean squared error of the normals of its cells, per axis. `None` when none of
+    /// its cells has a normal.
+    pub normal_uncertainty: Option<[f64; 3]>,
     /// The plane of least variance with its covariance, when [`Params::estimate`] asks for it; `None` also where too little is
     /// left of the cells once those that hold something else are left out, or all points lie exactly in a plane.
     pub estimate: Option<PlaneEstimate>,
-    /// Points with its label: those in its cells, or, where planes are confirmed ([`Params::confirm`]), those near it.
+    /// Points with its label: those near it, or, where cells were clustered, those in its cells.
     pub points: u64,
     /// Number of cells.
     pub cells: usize,
-    /// Root mean square distance of all points in its cells from their plane of least squares, in metres.
+    /// Root mean square distance of its points from their plane of least squares, in metres.
     pub rms: f64,
-    /// The threshold φ at which it was found.
-    pub phi: f64,
-    /// The thresholds at which the same clusters are found.
-    pub phi_interval: Interval,
+    /// The threshold φ at which it was found; `None` where planes are regions.
+    pub phi: Option<f64>,
+    /// The thresholds at which the same clusters are found; `None` where planes are regions.
+    pub phi_interval: Option<Interval>,
 }
 
 /// The parameters of a run, with what was chosen from the data filled in.
@@ -44,6 +45,19 @@ pub struct Used {
     pub chosen: Option<CellSizeChoice>,
     /// The density threshold.
     pub tau: u64,
+    /// What was chosen for regions; `None` where cells were clustered.
+    pub grown: Option<Grown>,
+}
+
+/// What regions chose from the data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grown {
+    /// What the variances of errors were multiplied by, because planes scatter by more: 1 where the errors explain them.
+    pub noise_scale: f64,
+    /// The fewest points of a plane.
+    pub min_points: f64,
+    /// The least area of a plane, in m².
+    pub min_area: f64,
 }
 
 /// A dense cell and the plane it belongs to.
@@ -77,7 +91,7 @@ pub struct Summary {
     pub labelled: usize,
     /// Number of planes.
     pub planes: usize,
-    /// Mean of (s_x, s_y, s_z) over the planes; `None` without planes.
+    /// Mean of (s_x, s_y, s_z) over the planes that have them; `None` without any.
     pub normal_uncertainty_mean: Option<[f64; 3]>,
 }
 
@@ -107,7 +121,7 @@ impl PlaneMap {
             points: self.labels.len(),
             labelled: self.labels.iter().flatten().count(),
             planes: self.planes.len(),
-            normal_uncertainty_mean: mean(self.planes.iter().map(|p| p.normal_uncertainty)),
+            normal_uncertainty_mean: mean(self.planes.iter().filter_map(|p| p.normal_uncertainty)),
         }
     }
 
@@ -117,8 +131,11 @@ impl PlaneMap {
     }
 }
 
-fn mean(vectors: impl ExactSizeIterator<Item = [f64; 3]>) -> Option<[f64; 3]> {
-    let count = vectors.len();
-    let sum = vectors.fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+fn mean(vectors: impl Iterator<Item = [f64; 3]>) -> Option<[f64; 3]> {
+    let (mut sum, mut count) = ([0.0; 3], 0_usize);
+    for vector in vectors {
+        sum = [0, 1, 2].map(|i| sum[i] + vector[i]);
+        count += 1;
+    }
     (count > 0).then(|| sum.map(|s| s / count as f64))
 }

@@ -22,7 +22,7 @@ const OWN: f64 = 0.5;
 pub struct Points<'a> {
     /// The cell of each point; `None` for points of none, which get no label.
     pub cells: &'a [Option<u32>],
-    /// Where each is, from the anchor of its cell's sums, in metres.
+    /// Where each is, from the anchor of its cell's sums, in metres. Places that are not finite get no label.
     pub places: &'a [[f32; 3]],
 }
 
@@ -90,7 +90,7 @@ impl<'a> ByCell<'a> {
         for (point, cell) in points.cells.iter().enumerate() {
             let Some(cell) = cell else { continue };
             let count =
-                starts.get_mut(*cell as usize + 1).ok_or(RegionsError::NoCell { point, cell: *cell })?;
+                starts[1..].get_mut(*cell as usize).ok_or(RegionsError::NoCell { point, cell: *cell })?;
             *count += 1;
         }
         for cell in 0..cells {
@@ -278,7 +278,8 @@ impl Labelling<'_> {
             for (near, score) in near.iter().zip(&mut scores) {
                 let errors = near.normal.dot(place) + near.offset;
                 *score = f64::INFINITY;
-                if errors.abs() > self.reach {
+                // A place that is not finite is near no plane.
+                if errors.abs() > self.reach || errors.is_nan() {
                     continue;
                 }
                 let inside: f64 = near.ends.iter().map(|end| end.ln_inside(place)).sum();

@@ -90,6 +90,9 @@ pub struct Timings {
     pub grid: f64,
     /// Fitting normals.
     pub normals: f64,
+    /// Growing regions; left out where cells were clustered.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grow: Option<f64>,
     /// Clustering.
     pub cluster: f64,
     /// Optimising φ.
@@ -197,7 +200,7 @@ impl PlanesFile {
         let times = self.timings_seconds.iter();
         let times = times.flat_map(|t| {
             let always = [t.load, t.grid, t.normals, t.cluster, t.optimise, t.label, t.write, t.total];
-            always.into_iter().chain(t.extent)
+            always.into_iter().chain(t.grow).chain(t.extent)
         });
         let named = means
             .map(|v| ("summary.normal_uncertainty_mean", v))

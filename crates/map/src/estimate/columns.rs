@@ -372,12 +372,6 @@ impl Columns {
         }
     }
 
-    /// The column at a place, if one holds cells of the plane.
-    pub(crate) fn find(&self, place: [i32; 2]) -> Option<usize> {
-        let own = self.all.partition_point(|column| column.of != Of::Rim);
-        self.all.get(..own)?.binary_search_by_key(&place, |column| column.place).ok()
-    }
-
     /// How many hold cells of the plane.
     pub(crate) fn of_plane(&self) -> usize {
         self.all.iter().filter(|column| column.of != Of::Rim).count()

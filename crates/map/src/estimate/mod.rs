@@ -21,7 +21,7 @@ use crate::{ExtractedPlane, Mapper};
 
 pub use cells::CellPlane;
 use columns::{Columns, Near};
-use level::Residuals;
+pub(crate) use level::Residuals;
 pub use level::{NoiseKnot, NoiseLevel};
 use sightings::Sightings;
 
@@ -140,7 +140,7 @@ pub(crate) struct Owned<'g, 'm> {
 }
 
 /// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
-/// each with weight 1. Gives back the errors, and for each plane the nodes of other layers, layer by layer.
+/// each with weight 1. Gives back the errors.
 pub(crate) fn estimate_planes<'m>(
     planes: &mut [ExtractedPlane],
     mapper: &'m Mapper,
@@ -149,9 +149,9 @@ pub(crate) fn estimate_planes<'m>(
     plane_of_cell: &[Option<PlaneId>],
     plane_of_node: &[Option<PlaneId>],
     tau: u64,
-) -> Option<(Errors<'m>, Vec<Vec<Vec<u32>>>)> {
+) -> Option<Errors<'m>> {
     let params = mapper.params();
-    if !params.by_place() || (params.estimate.is_none() && params.confirm.is_none()) {
+    if !params.by_place() {
         return None;
     }
     let settings = params.estimate.unwrap_or_default();
@@ -165,7 +165,7 @@ pub(crate) fn estimate_planes<'m>(
     let mut cells = Owned { grid, nodes, plane_of_cell, tau, errors };
     let level = if nodes.know_errors() { None } else { cells.level_of_cells(planes, &nodes_of) };
     if level.is_none() && !nodes.know_errors() {
-        return Some((cells.errors, vec![Vec::new(); planes.len()]));
+        return Some(cells.errors);
     }
     let mut columns: Vec<(Near, Columns)> = planes
         .par_iter()
@@ -185,16 +185,10 @@ pub(crate) fn estimate_planes<'m>(
         columns.par_iter_mut().for_each(|(near, columns)| columns.take_level(near, &level, &cells.errors));
         cells.errors.level = Some(level);
     }
-    let layers = planes
-        .par_iter_mut()
-        .zip(&columns)
-        .zip(&nodes_of)
-        .map(|((plane, (near, columns)), of)| {
-            let Some((near, found)) = cells.estimate(columns, near) else { return Vec::new() };
-            plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
-            if params.confirms() { cells.layers(columns, &near, of) } else { Vec::new() }
-        })
-        .collect();
+    planes.par_iter_mut().zip(&columns).for_each(|(plane, (near, columns))| {
+        let found = cells.estimate(columns, near);
+        plane.estimate = found.and_then(|found| PlaneEstimate::of(&found, plane.plane.normal()));
+    });
     let limit = ROUGHEST * usual_chi_squared(planes);
     for plane in planes {
         plane.estimate = plane.estimate.filter(|estimate| estimate.reduced_chi_squared <= limit);
@@ -202,7 +196,7 @@ pub(crate) fn estimate_planes<'m>(
             plane.plane = estimate.plane;
         }
     }
-    Some((cells.errors, layers))
+    Some(cells.errors)
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.
@@ -220,7 +214,7 @@ pub(crate) fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
 }
 
 impl<'m> Errors<'m> {
-    fn of(mapper: &'m Mapper, nodes: &Nodes, floor: f64) -> Self {
+    pub(crate) fn of(mapper: &'m Mapper, nodes: &Nodes, floor: f64) -> Self {
         let views = mapper.views();
         let known = nodes.know_errors();
         let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
@@ -245,29 +239,6 @@ impl Owned<'_, '_> {
         NoiseLevel::of(&residuals)
     }
 
-    /// The nodes of other layers than a plane, of those that are taken for its own.
-    fn layers(&self, columns: &Columns, near: &Near, of: &[u32]) -> Vec<Vec<u32>> {
-        let layers = columns.layers(near, self.errors.floor);
-        if layers.is_empty() {
-            return Vec::new();
-        }
-        let mut layer_of: Vec<Option<usize>> = vec![None; columns.all.len()];
-        for (number, layer) in layers.iter().enumerate() {
-            for at in layer {
-                layer_of[*at] = Some(number);
-            }
-        }
-        let mut nodes_of = vec![Vec::new(); layers.len()];
-        for node in of {
-            let key = self.nodes.dense.keys().get(*node as usize);
-            let column = key.and_then(|key| columns.find(columns.place(*key)));
-            if let Some(layer) = column.and_then(|at| layer_of[at]) {
-                nodes_of[layer].push(*node);
-            }
-        }
-        nodes_of
-    }
-
     /// The plane that the larger part of the columns lies on, and, where it is determined well enough, that of least variance with
     /// its covariance. `None` when no error
     /// is known, or what is left of the cells determines none.
@@ -282,7 +253,7 @@ impl Owned<'_, '_> {
     ///    side in, those to the other out. What that adds to the sums is known, `∓ d/ξ nᵀ C e` for a face across the axis e of a
     ///    column of d points, and is taken back.
     /// 4. The covariance of the points' errors grows with the residuals; those of the poses and the floor are added.
-    fn estimate(&self, columns: &Columns, near: &Near) -> Option<(Near, Option<Found>)> {
+    fn estimate(&self, columns: &Columns, near: &Near) -> Option<Found> {
         let floor = self.errors.floor;
         let fit = |counts: &[bool], near: &Near| {
             let mut found = columns.fit(counts, near.normal)?;
@@ -308,7 +279,7 @@ impl Owned<'_, '_> {
             near = better;
             estimate = Some((found, counts));
         }
-        Some((near, estimate.and_then(|(found, counts)| self.supported(found, columns, &counts))))
+        estimate.and_then(|(found, counts)| self.supported(found, columns, &counts))
     }
 
     /// The estimate, if it rests on enough.

@@ -13,8 +13,6 @@ const DEVIATIONS: f64 = 4.0;
 const ROUGH: f64 = 2.0;
 /// Columns that deviate by no more of their usual deviation are most likely of it.
 const CORE: f64 = 2.0;
-/// A layer is so many standard errors of points off, at least: less is what sensors bend a surface by.
-const APART: f64 = 2.5;
 /// The median of χ² of one degree of freedom.
 const MEDIAN: f64 = 0.4549;
 
@@ -33,59 +31,6 @@ impl Columns {
         self.apart(self.all.iter().zip(&deviations).map(|(column, deviation)| {
             deviation.as_ref().is_some_and(|d| usual.holds(d, column.sum.count(), DEVIATIONS))
         }))
-    }
-
-    /// The columns of other layers, each layer by itself: columns that lie off the plane together, as flat as those on it, further
-    /// than single points do, and by a step. A surface that is bent leaves the plane without one.
-    pub(crate) fn layers(&self, near: &Near, floor: f64) -> Vec<Vec<usize>> {
-        let deviations = self.deviations(near, floor);
-        let usual = Usual::of(&deviations);
-        let off = |at: usize| {
-            deviations[at].as_ref().is_some_and(|d| {
-                d.mean > DEVIATIONS * DEVIATIONS * usual.mean
-                    && d.off > APART * APART
-                    && usual.scatters(d, self.all[at].sum.count(), DEVIATIONS)
-            })
-        };
-        let on = |at: usize| {
-            deviations[at].as_ref().is_some_and(|d| usual.holds(d, self.all[at].sum.count(), DEVIATIONS))
-        };
-        let mut left: Vec<bool> = (0..self.all.len()).map(off).collect();
-        let mut layers = Vec::new();
-        for first in 0..self.all.len() {
-            if !std::mem::take(&mut left[first]) {
-                continue;
-            }
-            let (mut layer, mut at) = (vec![first], 0);
-            let mut steps = Vec::new();
-            while let Some(column) = layer.get(at).copied() {
-                for beside in self.around(column) {
-                    if std::mem::take(&mut left[beside]) {
-                        layer.push(beside);
-                    } else if on(beside) {
-                        // In standard errors of points, on which side of the plane either is.
-                        let side = |at: usize| self.height(at, near) / self.sigma(at, near);
-                        steps.push((side(column) - side(beside)).abs());
-                    }
-                }
-                at += 1;
-            }
-            if steps.is_empty() || median(steps.into_iter()) >= APART {
-                layer.sort_unstable();
-                layers.push(layer);
-            }
-        }
-        layers
-    }
-
-    /// Of the mean of a column over a plane.
-    fn height(&self, at: usize, near: &Near) -> f64 {
-        (self.all[at].mean() - self.through(near)).dot(near.normal)
-    }
-
-    /// Of a point of a column, along the normal.
-    fn sigma(&self, at: usize, near: &Near) -> f64 {
-        variance_along(&self.all[at].sum, near.normal).max(f64::MIN_POSITIVE).sqrt()
     }
 
     /// Which columns lie on the plane better than most do, where most do not lie as well as errors say: the plane may be off,

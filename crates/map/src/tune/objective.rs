@@ -125,8 +125,10 @@ impl Objective {
     ) -> Result<f64, TuneError> {
         match self {
             Self::Uncertainty { weight_uncertainty, weight_clusters } => {
-                let shared: f64 =
-                    planes.iter().map(|p| p.points as f64 * p.normal_uncertainty.iter().sum::<f64>()).sum();
+                let shared: f64 = planes
+                    .iter()
+                    .map(|p| p.points as f64 * p.normal_uncertainty.iter().flatten().sum::<f64>())
+                    .sum();
                 let on_planes: u64 = planes.iter().map(|p| p.points).sum();
                 let free = gridded.present.saturating_sub(on_planes) as f64;
                 let mean = (shared + free * 3.0_f64.sqrt()) / gridded.present.max(1) as f64;

@@ -5,7 +5,6 @@ mod accuracy;
 mod anything;
 mod cell_size;
 mod common;
-mod confirm;
 mod covariance;
 mod curved;
 mod degenerate;

@@ -67,7 +67,7 @@ fn check(args: &CalibrateArgs) -> Result<(), CliError> {
 }
 
 fn params(args: &CalibrateArgs, floor: f64) -> Params {
-    let params = Params::default();
+    let params = if args.clusters { Params::clusters() } else { Params::default() };
     Params {
         cell_size: args.cell.or(params.cell_size),
         tau: args.tau.or(params.tau),

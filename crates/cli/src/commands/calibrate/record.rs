@@ -30,10 +30,12 @@ impl Record {
         let mut record = Self { kind, parameters: Map::new(), fields: Map::new() };
         record.parameter("cell_size", used.cell_size);
         record.parameter("tau", used.tau);
-        record.parameter("omega", used.omega);
-        record.parameter("phi", used.phi);
-        record.parameter("depth", used.depth);
-        record.parameter("min_cells", used.min_cells);
+        if args.clusters {
+            record.parameter("omega", used.omega);
+            record.parameter("phi", used.phi);
+            record.parameter("depth", used.depth);
+            record.parameter("min_cells", used.min_cells);
+        }
         record.parameter("floor", args.floor.unwrap_or(0.0));
         record.parameter("seed", args.seed);
         let pose_sigma = args.pose_sigma;

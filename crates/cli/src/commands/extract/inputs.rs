@@ -13,7 +13,7 @@ use terrace_io::{
 };
 use terrace_noise::{PoseSigma, SensorNoise, Uniform};
 
-use crate::args::{Preset, ReadArgs};
+use crate::args::ReadArgs;
 use crate::error::CliError;
 use crate::extract_args::ExtractArgs;
 use crate::progress::Progress;
@@ -116,12 +116,8 @@ impl Inputs {
             .map(|sigma| json!({ "translation": sigma.translation(), "rotation": sigma.rotation() }));
         let skipped: Vec<_> =
             self.skipped.iter().map(|(s, why)| json!({ "input": s.path, "reason": why })).collect();
-        let preset = match args.preset {
-            Preset::Default => "default",
-            Preset::Paper => "paper",
-        };
         let entries = [
-            ("preset", json!(preset)),
+            ("preset", json!(args.preset.name())),
             ("inputs", json!(self.used.len())),
             ("inputs_skipped", json!(skipped)),
             ("errors", errors),

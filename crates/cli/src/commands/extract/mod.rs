@@ -8,12 +8,12 @@ mod summary;
 use std::path::Path;
 use std::time::Instant;
 
-use terrace::{Confirm, CostForm, Mapper, Optimise, Params, PlaneMap, Search, Stage};
+use terrace::{CostForm, Mapper, Optimise, Params, PlaneMap, Search, Stage};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
 use terrace_io::{ReadOptions, read_counted, write_labelled_ply, write_labels_npy};
 
-use crate::args::{Cost, Preset, SearchMethod};
+use crate::args::{Cost, SearchMethod};
 use crate::error::CliError;
 use crate::extract_args::ExtractArgs;
 use crate::picture::{TwoSides, write_png};
@@ -80,10 +80,26 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
 }
 
 fn params(args: &ExtractArgs) -> Result<Params, CliError> {
-    let mut params = match args.preset {
-        Preset::Default => Params::default(),
-        Preset::Paper => Params::paper(),
-    };
+    let mut params = args.preset.params();
+    match (&mut params.regions, args.about_regions(), args.about_clusters()) {
+        (Some(_), _, Some(option)) => {
+            return Err(CliError::Usage(format!("{option} is about clusters: add --preset clusters")));
+        }
+        (None, Some(option), _) => {
+            return Err(CliError::Usage(format!(
+                "{option} is about regions, which --preset {} does not grow",
+                args.preset.name()
+            )));
+        }
+        (Some(regions), ..) => {
+            regions.join = args.join.map_or(regions.join, Into::into);
+            regions.min_points = args.min_points.or(regions.min_points);
+            regions.min_area = args.min_area.or(regions.min_area);
+            regions.tilt = args.max_tilt.unwrap_or(regions.tilt);
+            regions.reach = args.reach.unwrap_or(regions.reach);
+        }
+        (None, None, _) => {}
+    }
     params.cell_size = args.cell.or(params.cell_size);
     params.tau = args.tau.or(params.tau);
     params.phi = args.phi.unwrap_or(params.phi);
@@ -101,15 +117,6 @@ fn params(args: &ExtractArgs) -> Result<Params, CliError> {
             ));
         };
         estimate.floor = floor;
-    }
-    if args.confirm {
-        if args.preset == Preset::Paper {
-            return Err(CliError::Usage(
-                "--confirm needs the errors of points in their places, which --preset paper does not keep"
-                    .to_owned(),
-            ));
-        }
-        params.confirm = Some(Confirm::default());
     }
     if args.no_optimise {
         params.optimise = None;
@@ -147,6 +154,7 @@ pub fn extract_timed(
     let map = mapper.extract_observed(|stage| {
         let what = match stage {
             Stage::Normals { cells } => format!("normals of {cells} cells"),
+            Stage::Grow { cells } => format!("growing regions over {cells} cells"),
             Stage::Cluster { cells } => format!("clustering {cells} cells"),
             Stage::Optimise { clusters } => format!("optimising {clusters} uncertain clusters"),
             Stage::Label { points } => format!("labelling {points} points"),
@@ -158,6 +166,7 @@ pub fn extract_timed(
     for ((stage, begin), end) in marks.iter().zip(ends) {
         let slot = match stage {
             Stage::Normals { .. } => &mut timings.normals,
+            Stage::Grow { .. } => timings.grow.get_or_insert(0.0),
             Stage::Cluster { .. } => &mut timings.cluster,
             Stage::Optimise { .. } => &mut timings.optimise,
             Stage::Label { .. } => &mut timings.label,

@@ -43,21 +43,27 @@ fn table(map: &PlaneMap, extents: Option<&Extents>) -> String {
     let asked = map.used.params.estimate.is_some();
     let how_sure = if asked { " tilt deg   off mm " } else { "" };
     let areas = if extents.is_some() { "   area m2" } else { "" };
+    let clustered = map.planes.iter().any(|plane| plane.phi.is_some());
+    let phi = if clustered { "    phi" } else { "" };
     let mut text = format!(
-        "  id    points   cells{areas}        a        b        c          d    s_x    s_y    s_z  rms mm{how_sure}    phi\n",
+        "  id    points   cells{areas}        a        b        c          d    s_x    s_y    s_z  rms mm{how_sure}{phi}\n",
     );
     let shown = || map.planes.iter().take(ROWS);
     for plane in shown() {
-        let ([a, b, c, d], [sx, sy, sz]) = (plane.plane.coefficients(), plane.normal_uncertainty);
+        let [a, b, c, d] = plane.plane.coefficients();
         text += &format!(
-            "{:>4} {:>9} {:>7}{} {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.4}  {sx:.3}  {sy:.3}  {sz:.3} {:>7.2}{}  {:.3}\n",
+            "{:>4} {:>9} {:>7}{} {a:>8.4} {b:>8.4} {c:>8.4} {d:>10.4}{} {:>7.2}{}{}\n",
             plane.id.get(),
             plane.points,
             plane.cells,
             extents.map_or_else(String::new, |extents| area(extents, plane)),
+            plane.normal_uncertainty.map_or_else(
+                || "      -      -      -".to_owned(),
+                |[x, y, z]| format!("  {x:.3}  {y:.3}  {z:.3}"),
+            ),
             1000.0 * plane.rms,
             if asked { uncertainty(plane) } else { String::new() },
-            plane.phi,
+            plane.phi.map_or_else(String::new, |phi| format!("  {phi:.3}")),
         );
     }
     if map.planes.len() > ROWS {

@@ -2,7 +2,7 @@
 
 use terrace::tune::Settings;
 
-use crate::args::{Preset, TuneArgs};
+use crate::args::TuneArgs;
 
 /// The option that sets a parameter.
 pub fn option(parameter: &str) -> String {
@@ -18,9 +18,7 @@ pub fn command(args: &TuneArgs, best: &Settings) -> String {
     words.extend(args.inputs.iter().cloned());
     let mut set = |name: &str, value: String| words.extend([name.to_owned(), value]);
     set("--out", args.out.join("planes").display().to_string());
-    if args.preset == Preset::Paper {
-        set("--preset", "paper".to_owned());
-    }
+    set("--preset", args.preset.name().to_owned());
     set("--cell", best.cell_size.to_string());
     set("--depth", best.depth.to_string());
     set("--tau", best.tau.to_string());

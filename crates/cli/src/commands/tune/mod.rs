@@ -11,7 +11,7 @@ use terrace::tune::{
 use terrace::{Params, ParamsError, Scan};
 use terrace_io::{ReadOptions, Source, find_sources, npy, read_counted};
 
-use crate::args::{Preset, QualityMeasure, TuneArgs};
+use crate::args::{QualityMeasure, TuneArgs};
 use crate::commands::extract::{not_measured, read_options};
 use crate::error::CliError;
 use crate::picture::write_png;
@@ -34,7 +34,7 @@ pub fn run(args: &TuneArgs) -> Result<(), CliError> {
 
 fn tune(args: &TuneArgs) -> Result<(), CliError> {
     let options = read_options(&args.read)?;
-    let params = params(args);
+    let params = params(args)?;
     params.validate().map_err(|error| named(error.into()))?;
     let objective = objective(args)?;
     let sources = find_sources(&args.inputs, args.poses.as_deref())?;
@@ -71,19 +71,22 @@ fn tune(args: &TuneArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-fn params(args: &TuneArgs) -> Params {
-    let params = match args.preset {
-        Preset::Default => Params::default(),
-        Preset::Paper => Params::paper(),
-    };
+fn params(args: &TuneArgs) -> Result<Params, CliError> {
+    let params = args.preset.params();
+    if params.regions.is_some() {
+        return Err(CliError::Usage(
+            "what is tuned are the settings of clusters, --preset clusters or paper: regions need no tuning"
+                .to_owned(),
+        ));
+    }
     let single = |sizes: &Vec<f64>| if let [only] = sizes[..] { Some(only) } else { None };
-    Params {
+    Ok(Params {
         // One cell size is the one in use, so that tau follows from it.
         cell_size: args.cell.as_ref().and_then(single),
         min_cells: args.min_cells.unwrap_or(params.min_cells),
         seed: args.seed,
         ..params
-    }
+    })
 }
 
 fn objective(args: &TuneArgs) -> Result<Objective, CliError> {

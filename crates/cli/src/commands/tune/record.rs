@@ -7,7 +7,7 @@ use terrace::StopReason;
 use terrace::tune::{Settings, SliceStep, TuneAxis, TuneSpace, TuneStep, Tuned};
 use terrace_io::{Source, WriteError, WriteErrorKind, write_atomically};
 
-use crate::args::{Preset, QualityMeasure, TuneArgs};
+use crate::args::{QualityMeasure, TuneArgs};
 use crate::commands::tune::MATCH_ABOVE;
 
 /// The version written.
@@ -57,7 +57,7 @@ impl Record<'_> {
             "format": "terrace-tune",
             "version": VERSION,
             "parameters": {
-                "preset": match args.preset { Preset::Default => "default", Preset::Paper => "paper" },
+                "preset": args.preset.name(),
                 "seed": args.seed,
                 "min_cells": tuned.params.min_cells,
                 "evaluations": args.evaluations,
