@@ -85,7 +85,7 @@ def scenes(folder, groups):
 
 def terrace(scene, name, options):
     """In a process of its own, so that its peak of memory is its own: of all names with this one in them, it comes first."""
-    folder = BUILT / "terrace" / name
+    folder = BUILT / "terrace" / name / scene.name
     export(folder, [scene.name], options)
     folder = folder / scene.name
     costs = json.loads((folder / "terrace.json").read_text())
