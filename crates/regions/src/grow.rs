@@ -200,3 +200,53 @@ impl Growth {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{NOISE, field, square};
+
+    const STRICT: Growth = Growth { noise: NOISE, spread: 0.0 };
+
+    #[test]
+    fn one_square_is_one_region_of_all_cells() {
+        let field = field(&square(|x, y| [x, y, 0.05 + 0.2 * x]));
+        let [region] = &grow(&field, STRICT)[..] else { panic!() };
+        assert_eq!(region.cells.len(), field.cells.len());
+        assert_eq!(region.fitted.sums.count(), 3600);
+        assert!(region.fitted.reduced_chi_squared < 1e-9);
+    }
+
+    #[test]
+    fn cells_are_of_one_region_at_most_and_lie_on_its_plane() {
+        // A floor with walls on two sides.
+        let mut points = square(|x, y| [x, y, 0.03]);
+        points.extend(square(|y, z| [0.04, y, z]));
+        points.extend(square(|z, x| [x, 0.05, z]));
+        let field = field(&points);
+        let regions = grow(&field, STRICT);
+        assert!(regions.len() >= 3);
+        let mut seen = vec![false; field.cells.len()];
+        for region in &regions {
+            for cell in &region.cells {
+                assert!(!std::mem::replace(&mut seen[*cell as usize], true));
+            }
+            assert_eq!(region.fitted.plane, field.fit(&region.cells, NOISE).unwrap().plane);
+        }
+        // Each of the three largest has an axis of its own as normal.
+        let mut axes: Vec<usize> =
+            regions[..3].iter().map(|region| region.fitted.plane.normal.abs().max_position()).collect();
+        axes.sort_unstable();
+        assert_eq!(axes, [0, 1, 2]);
+    }
+
+    #[test]
+    fn nothing_grows_from_points_in_a_line_or_all_over() {
+        let line: Vec<[f64; 3]> = (0..2000).map(|k| [0.001 * f64::from(k), 0.05, 0.05]).collect();
+        assert_eq!(grow(&field(&line), STRICT).len(), 0);
+        let fraction = |k: i32, by: f64| (f64::from(k) * by).fract();
+        let cloud: Vec<[f64; 3]> =
+            (0..4000).map(|k| [0.8192, 0.6711, 0.5497].map(|by| fraction(k, by))).collect();
+        assert_eq!(grow(&field(&cloud), STRICT).len(), 0);
+    }
+}

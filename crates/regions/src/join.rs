@@ -131,3 +131,93 @@ fn hand_over(contacts: &mut Contacts, kept: u32, gone: u32) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{EDGE, NOISE, SIGMA, field, square};
+
+    /// Cells as regions, by the number that is told for each key.
+    fn regions(field: &Field, number: impl Fn([i32; 3]) -> usize) -> Vec<Region> {
+        let mut cells: Vec<Vec<u32>> = Vec::new();
+        for (cell, key) in (0..).zip(&field.keys) {
+            let number = number(*key);
+            cells.resize(cells.len().max(number + 1), Vec::new());
+            cells[number].push(cell);
+        }
+        cells.into_iter().map(|cells| Region { fitted: field.fit(&cells, NOISE).unwrap(), cells }).collect()
+    }
+
+    fn cells_of(joined: &[Region]) -> Vec<Vec<u32>> {
+        let sorted = |region: &Region| {
+            let mut cells = region.cells.clone();
+            cells.sort_unstable();
+            cells
+        };
+        joined.iter().map(sorted).collect()
+    }
+
+    #[test]
+    fn three_fragments_in_a_row_are_one_whichever_comes_first() {
+        let field = field(&square(|x, y| [x, y, 0.05]));
+        for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+            // Of different sizes: the first and the last do not touch.
+            let fragments = regions(&field, |[x, ..]| order[usize::from(x > 2) + usize::from(x > 8)]);
+            assert_eq!(contacts(&field, &fragments).len(), 2);
+            let joined = join_touching(&field, NOISE, fragments);
+            assert_eq!(cells_of(&joined), [(0..144).collect::<Vec<u32>>()]);
+            assert_eq!(joined[0].fitted.sums.count(), 3600);
+        }
+    }
+
+    #[test]
+    fn a_step_keeps_two_apart() {
+        for (step, left) in [(0.0, 1), (1.4 * SIGMA, 1), (1.6 * SIGMA, 2), (2.4 * SIGMA, 2)] {
+            let height = |x: f64| if x < 0.6 { 0.015 } else { 0.015 + step };
+            let field = field(&square(|x, y| [x, y, height(x)]));
+            let halves = regions(&field, |[x, ..]| usize::from(x >= 6));
+            let apart = &contacts(&field, &halves)[&(0, 1)];
+            // From the second to the first.
+            assert!((apart.apart.z / apart.weight + step).abs() < 1e-9);
+            assert_eq!(join_touching(&field, NOISE, halves).len(), left, "{step}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_touch_and_what_is_turned_stays() {
+        let flat = |x: f64, y: f64| [x, y, 0.05];
+        let gap = field(&square(|x, y| flat(if x < 0.6 { x } else { x + 4.0 * EDGE }, y)));
+        let halves = regions(&gap, |[x, ..]| usize::from(x >= 6));
+        assert_eq!(join_touching(&gap, NOISE, halves).len(), 2);
+        let roof = field(&square(|x, y| [x, y, 0.02 + 0.15 * (x - 0.6).abs()]));
+        let halves = regions(&roof, |[x, ..]| usize::from(x >= 6));
+        assert_eq!(join_touching(&roof, NOISE, halves).len(), 2);
+        assert_eq!(join_touching(&roof, NOISE, Vec::new()).len(), 0);
+    }
+
+    #[test]
+    fn contacts_go_to_the_one_that_is_kept() {
+        // The sum of all is that between the places of regions: those of the numbers are told apart by their axis.
+        let place = [DVec3::ZERO, DVec3::X, 2.0 * DVec3::Y, 3.0 * DVec3::Z];
+        let contact = |a: usize, b: usize| Contact { apart: place[a] - place[b], weight: 1.0 };
+        let all = || -> Contacts {
+            [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]
+                .map(|(a, b)| ((a, b), contact(a as usize, b as usize)))
+                .into()
+        };
+        let told = |contacts: &Contacts| -> Vec<((u32, u32), DVec3, f64)> {
+            contacts.iter().map(|(pair, contact)| (*pair, contact.apart, contact.weight)).collect()
+        };
+        let mut contacts = all();
+        hand_over(&mut contacts, 2, 1);
+        let with_0 = (place[0] - place[2]) + (place[0] - place[1]);
+        let with_3 = (place[2] - place[3]) + (place[1] - place[3]);
+        assert_eq!(told(&contacts), [((0, 2), with_0, 2.0), ((2, 3), with_3, 2.0)]);
+        let mut contacts = all();
+        hand_over(&mut contacts, 0, 3);
+        let with_1 = (place[0] - place[1]) + (place[3] - place[1]);
+        let with_2 = (place[0] - place[2]) + (place[3] - place[2]);
+        let between = place[1] - place[2];
+        assert_eq!(told(&contacts), [((0, 1), with_1, 2.0), ((0, 2), with_2, 2.0), ((1, 2), between, 1.0)]);
+    }
+}

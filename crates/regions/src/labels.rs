@@ -330,3 +330,27 @@ impl Labelling<'_> {
         Labels { of, pieces }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn points_by_cell_are_the_points_in_another_order(
+            cells in prop::collection::vec(prop::option::weighted(0.9, 0..9_u32), 0..200),
+        ) {
+            let places: Vec<[f32; 3]> = (0..cells.len()).map(|point| [point as f32, 0.5, -1.0]).collect();
+            let by_cell = ByCell::of(Points { cells: &cells, places: &places }, 9).unwrap();
+            prop_assert_eq!(by_cell.len(), cells.iter().flatten().count());
+            for cell in 0..9_u32 {
+                let expected: Vec<u32> = (0..).zip(&cells).filter(|(_, of)| **of == Some(cell)).map(|(point, _)| point).collect();
+                prop_assert_eq!(by_cell.of_cell(cell as usize), &expected[..]);
+                let places: Vec<DVec3> = by_cell.places(cell as usize).collect();
+                let expected: Vec<DVec3> = expected.iter().map(|point| DVec3::new(f64::from(*point), 0.5, -1.0)).collect();
+                prop_assert_eq!(places, expected);
+            }
+        }
+    }
+}

@@ -86,8 +86,7 @@ impl Level {
     }
 }
 
-/// There are fewer cells than 2³²: [`segment`](crate::segment) sees to it.
-#[allow(clippy::cast_possible_truncation)]
+#[allow(clippy::cast_possible_truncation, reason = "fewer cells than 2³²: `Field::of` sees to it")]
 fn number(place: usize) -> u32 {
     place as u32
 }

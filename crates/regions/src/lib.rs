@@ -20,6 +20,8 @@ mod join;
 mod labels;
 mod level;
 mod parts;
+#[cfg(test)]
+mod scene;
 mod segment;
 mod settings;
 mod surface;

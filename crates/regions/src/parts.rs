@@ -121,3 +121,68 @@ impl Groups {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    fn piece(cell: u32, points: u32) -> Piece {
+        Piece { region: 0, cell, points, sum: DVec3::ZERO, squares: 0.0 }
+    }
+
+    /// Groups as sets that hang together, with their points, the most first; by merging sets until none touch.
+    fn brute_force(keys: &[[i32; 3]], points: &[u32], level: u32) -> Vec<(u64, Vec<[i32; 3]>)> {
+        let mut sets: Vec<(u64, Vec<[i32; 3]>)> = keys
+            .iter()
+            .zip(points)
+            .map(|(key, points)| (u64::from(*points), vec![key.map(|k| k >> level)]))
+            .collect();
+        let touch = |a: &[[i32; 3]], b: &[[i32; 3]]| {
+            a.iter().any(|a| b.iter().any(|b| (0..3).all(|i| (a[i] - b[i]).abs() <= 1)))
+        };
+        while let Some((a, b)) = (0..sets.len())
+            .flat_map(|b| (0..b).map(move |a| (a, b)))
+            .find(|(a, b)| touch(&sets[*a].1, &sets[*b].1))
+        {
+            let (points, groups) = sets.remove(b);
+            sets[a].0 += points;
+            sets[a].1.extend(groups);
+        }
+        for (_, groups) in &mut sets {
+            groups.sort_unstable();
+            groups.dedup();
+        }
+        sets.sort_unstable();
+        sets
+    }
+
+    proptest! {
+        #[test]
+        fn parts_are_those_of_brute_force(
+            cells in prop::collection::btree_map(prop::array::uniform3(-9..9_i32), 1..9_u32, 1..40),
+            level in 0..3_u32,
+        ) {
+            let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = cells.into_iter().unzip();
+            let coarse = Level::of(&keys, level);
+            let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
+            let groups = Groups::of(&coarse, pieces.iter());
+            let mut marks = vec![None; coarse.len()];
+            let parts = groups.parts(&coarse, &mut marks);
+            prop_assert!(marks.iter().all(Option::is_none));
+            prop_assert!(parts.points.is_sorted_by(|a, b| a >= b));
+            let mut found: Vec<(u64, Vec<[i32; 3]>)> =
+                parts.points.iter().map(|points| (*points, Vec::new())).collect();
+            for (group, part) in groups.groups.iter().zip(&parts.of) {
+                let first = coarse.cells(*group as usize)[0];
+                found[*part].1.push(keys[first as usize].map(|k| k >> level));
+            }
+            for (_, groups) in &mut found {
+                groups.sort_unstable();
+            }
+            found.sort_unstable();
+            prop_assert_eq!(found, brute_force(&keys, &points, level));
+        }
+    }
+}
