@@ -205,14 +205,13 @@ fn the_least_points_and_area_are_those_set() {
     scene.add(0, 4000, rectangle([0.01, 0.02, 0.03], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
     scene.add(1, 2000, rectangle([0.01, 0.02, 1.03], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]));
     let sorted = scene.cells(0.05);
-    let regions = |min_points, min_area| {
+    let found = |min_points, min_area| {
         let settings = Settings { min_points, min_area, ..Settings::default() };
-        let found = segment(&sorted.cells, 0.05, sorted.points(), &settings).unwrap();
-        (found.regions.len(), found.min_points, found.min_area)
+        segment(&sorted.cells, 0.05, sorted.points(), &settings).unwrap()
     };
-    assert_eq!(regions(Some(0), Some(0.0)), (2, 0.0, 0.0));
-    assert_eq!(regions(Some(2500), Some(0.1)), (1, 2500.0, 0.1));
-    assert_eq!(regions(None, Some(0.8)), (1, 20.0, 0.8));
-    assert_eq!(regions(Some(5000), None).0, 0);
-    assert_eq!(regions(None, Some(2.0)).0, 0);
+    let regions = |min_points, min_area| found(min_points, min_area).regions.len();
+    let set = found(Some(2500), Some(0.1));
+    assert_eq!((set.regions.len(), set.min_points, set.min_area), (1, 2500.0, 0.1));
+    assert_eq!((regions(Some(0), Some(0.0)), regions(None, None)), (2, 2));
+    assert_eq!((regions(Some(5000), None), regions(None, Some(0.8)), regions(None, Some(2.0))), (0, 1, 0));
 }
