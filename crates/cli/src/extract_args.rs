@@ -52,7 +52,7 @@ pub struct ExtractArgs {
     /// wherever they are [default: touching]
     #[arg(long, value_enum, value_name = "WHICH", help_heading = "Regions (--preset default)")]
     pub join: Option<JoinWhich>,
-    /// Fewest points of a plane [default: a thousandth of all points, at least 20]
+    /// Fewest points of a plane [default: four in a thousand of all points, from 20 to 250]
     #[arg(long, value_name = "N", help_heading = "Regions (--preset default)")]
     pub min_points: Option<u64>,
     /// Least area of a plane in m2 [default: 1/400 of the area of all planes, at most that of 50 cells]
@@ -71,7 +71,7 @@ pub struct ExtractArgs {
         help_heading = "Regions (--preset default)"
     )]
     pub max_tilt: Option<f64>,
-    /// Largest distance of a point from its plane in standard errors [default: 3.25]
+    /// Largest distance of a point from its plane in standard errors [default: 3.1]
     #[arg(
         long,
         value_name = "X",

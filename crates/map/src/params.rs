@@ -96,7 +96,7 @@ pub struct Regions {
     pub reach: f64,
     /// A surface whose normal turns by this over it, rms, in radians, is no plane.
     pub turn: f64,
-    /// The fewest points of a plane. `None`: a thousandth of all points, and at least twenty.
+    /// The fewest points of a plane. `None`: four in a thousand of all points, at least 20, and 250 are always enough.
     pub min_points: Option<u64>,
     /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
     /// cells.
@@ -117,15 +117,15 @@ pub enum Join {
 
 impl Regions {
     /// Without the join, which regions know nothing of.
-    pub(crate) fn settings(&self) -> terrace_regions::Settings {
+    pub(crate) fn settings(&self, errors_are_stated: bool) -> terrace_regions::Settings {
         let Self { tilt, reach, turn, min_points, min_area, .. } = *self;
-        terrace_regions::Settings { tilt, reach, turn, min_points, min_area }
+        terrace_regions::Settings { tilt, reach, turn, errors_are_stated, min_points, min_area }
     }
 }
 
 impl Default for Regions {
     fn default() -> Self {
-        let terrace_regions::Settings { tilt, reach, turn, min_points, min_area } =
+        let terrace_regions::Settings { tilt, reach, turn, min_points, min_area, .. } =
             terrace_regions::Settings::default();
         Self { tilt, reach, turn, min_points, min_area, join: Join::default() }
     }
@@ -275,7 +275,7 @@ impl Regions {
             "turn" => "regions.turn",
             _ => "regions.min_area",
         };
-        self.settings().validate().map_err(|refusal| match refusal {
+        self.settings(true).validate().map_err(|refusal| match refusal {
             RegionsError::Setting { name, value, expected } => ParamsError::new(of(name), value, expected),
             _ => ParamsError::new("regions", f64::NAN, "usable"),
         })

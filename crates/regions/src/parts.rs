@@ -22,7 +22,7 @@ struct Parts {
 }
 
 /// The region of each piece when those that fall into parts are taken apart, and how many there are then: the largest part keeps its
-/// number, others of at least `fewest` points get new ones, smaller ones stay with the largest.
+/// number, others of at least `fewest` points and this share of the region's get new ones, smaller ones stay with the largest.
 ///
 /// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
 /// them are seen apart there, and points in rows with gaps between them are not.
@@ -31,6 +31,7 @@ pub(crate) fn take_apart(
     pieces: &[Piece],
     regions: usize,
     fewest: f64,
+    share: f64,
 ) -> (Vec<u32>, Vec<u32>) {
     let mut of_region: Vec<Vec<usize>> = vec![Vec::new(); regions];
     for (at, piece) in pieces.iter().enumerate() {
@@ -56,8 +57,10 @@ pub(crate) fn take_apart(
     let Some((level, found)) = apart else { return (numbers, from) };
     for (of, (groups, parts)) in of_region.iter().zip(&found) {
         let Some(region) = of.first().map(|at| pieces[*at].region) else { continue };
+        let all: u64 = parts.points.iter().sum();
+        let least = fewest.max(share * all as f64);
         let number = |(rank, points): (usize, &u64)| {
-            if rank == 0 || (*points as f64) < fewest {
+            if rank == 0 || (*points as f64) < least {
                 return region;
             }
             from.push(region);

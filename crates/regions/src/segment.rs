@@ -21,13 +21,16 @@ const SPREAD: f64 = 3.0;
 const MOST_SCALE: f64 = 10.0;
 /// A plane is as wide as so many of the coarser cells.
 const NARROWEST: f64 = 1.5;
-/// Without a setting: the share of all points and their least number, the share of the area of all planes, and the number of
-/// coarser cells that is always enough.
-const SHARE_OF_POINTS: f64 = 0.001;
+/// Without a setting: the share of all points, their least number and that which is always enough; the share of the area of all
+/// planes, and the number of coarser cells that is always enough.
+const SHARE_OF_POINTS: f64 = 0.004;
 const FEWEST_POINTS: f64 = 20.0;
+const ENOUGH_POINTS: f64 = 250.0;
 const SHARE_OF_AREA: f64 = 0.0025;
 const ENOUGH_CELLS: f64 = 50.0;
-/// A part that does not touch the rest has so many times the fewest points of a plane.
+/// A part that does not touch the rest is a plane of its own when it has this share of the points, and so many times the fewest of a
+/// plane: a wall that is seen in pieces is one wall.
+const SHARE_OF_PART: f64 = 0.1;
 const PART: f64 = 2.0;
 /// A bend is seen from so many standard errors on.
 const SIGNIFICANT: f64 = 4.0;
@@ -101,18 +104,18 @@ pub fn segment(
     settings.validate()?;
     let field = Field::of(cells, edge)?;
     let by_cell = ByCell::of(points, cells.len())?;
-    let (mut grown, noise) = grow_as_noise_allows(&field);
+    let (mut grown, noise) = grow_as_noise_allows(&field, settings.errors_are_stated);
     let narrowest = NARROWEST * field.coarse_edge();
     grown.retain(|region| {
         let [_, across, _] = region.fitted.fit.variances;
         // A strip of the width w scatters by w² / 12.
         region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
     });
-    let fewest = (SHARE_OF_POINTS * by_cell.len() as f64).max(FEWEST_POINTS);
+    let fewest = (SHARE_OF_POINTS * by_cell.len() as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
     let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
     let mut labels = Labels::of(&field, noise, &grown, &by_cell, settings.reach, fewest);
 
-    let (numbers, from) = take_apart(&field, &labels.pieces, grown.len(), PART * fewest);
+    let (numbers, from) = take_apart(&field, &labels.pieces, grown.len(), PART * fewest, SHARE_OF_PART);
     labels.renumber(&by_cell, &numbers);
     let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
     let mut pieces_of: Vec<Vec<Piece>> = vec![Vec::new(); surface_of.len()];
@@ -172,15 +175,18 @@ pub fn segment(
 
 /// The regions, and the errors that explain them.
 ///
-/// Stated errors are trusted while planes are as flat as they say. Where they are not, the cells of a region may scatter by more,
-/// and the errors are taken to be as large as most points then show.
-fn grow_as_noise_allows(field: &Field) -> (Vec<Grown>, Noise) {
+/// Stated errors are trusted while planes are as flat as they say. Where they are not, or where errors were found from scatter,
+/// which tells nothing of what neighbouring points share, the cells of a region may scatter by more, and the errors are taken to be
+/// as large as most points then show.
+fn grow_as_noise_allows(field: &Field, stated_errors: bool) -> (Vec<Grown>, Noise) {
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
     let grow = |noise: Noise, spread: f64| join_touching(field, noise, grow(field, Growth { noise, spread }));
-    let strict = grow(stated, 0.0);
-    if usual_chi_squared(&strict) <= TRUSTED {
-        return (strict, stated);
+    if stated_errors {
+        let strict = grow(stated, 0.0);
+        if usual_chi_squared(&strict) <= TRUSTED {
+            return (strict, stated);
+        }
     }
     let scale = usual_chi_squared(&grow(stated, SPREAD)).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };

@@ -11,7 +11,10 @@ pub struct Settings {
     pub reach: f64,
     /// The normal of a plane turns over its surface by less than this, rms, in radians. What turns further, significantly, is curved.
     pub turn: f64,
-    /// The fewest points of a plane. `None`: a thousandth of all points, and at least twenty.
+    /// Whether the errors of the sums are stated, and so all there is while planes are as flat as they say. Errors that were found
+    /// from how points scatter say nothing of what neighbouring points share: a sensor's steps, a bent table.
+    pub errors_are_stated: bool,
+    /// The fewest points of a plane. `None`: four in a thousand of all points, at least 20, and 250 are always enough.
     pub min_points: Option<u64>,
     /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
     /// cells of the coarser resolution.
@@ -20,7 +23,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tilt: 0.01, reach: 3.25, turn: 0.12, min_points: None, min_area: None }
+        Self { tilt: 0.01, reach: 3.1, turn: 0.1, errors_are_stated: true, min_points: None, min_area: None }
     }
 }
 
