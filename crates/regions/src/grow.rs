@@ -241,6 +241,19 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_whose_surface_is_turned_is_not_on_the_plane_through_it() {
+        let wall = field(&square(|y, z| [0.04, y, z]));
+        let flat = |axis| Flat { normal: glam::DVec3::AXES[axis], point: glam::DVec3::new(0.04, 0.55, 0.55) };
+        let cell = wall.keys.iter().position(|key| *key == [0, 5, 5]).unwrap();
+        // A cell is five errors long: its points alone would do.
+        assert!(
+            wall.cells[cell].mean_square(&flat(2))
+                < SLACK * 2.0 * NOISE.variance(&wall.cells[cell], flat(2).normal)
+        );
+        assert!(STRICT.lies_on(&wall, cell, &flat(0), 0.0) && !STRICT.lies_on(&wall, cell, &flat(2), 0.0));
+    }
+
+    #[test]
     fn nothing_grows_from_points_in_a_line_or_all_over() {
         let line: Vec<[f64; 3]> = (0..2000).map(|k| [0.001 * f64::from(k), 0.05, 0.05]).collect();
         assert_eq!(grow(&field(&line), STRICT).len(), 0);
