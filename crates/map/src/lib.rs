@@ -30,7 +30,8 @@
 //! for plane in &map.planes[..2] {
 //!     // Normals point to the sensor, which is one metre from both.
 //!     assert!((plane.plane.signed_distance([1.0, 1.0, 1.0]) - 1.0).abs() < 0.05);
-//!     assert!(plane.normal_uncertainty.iter().all(|s| *s < 0.2));
+//!     // And their orientation is sure to a milliradian.
+//!     assert!(plane.estimate.is_some_and(|estimate| estimate.largest_tilt() < 0.001));
 //! }
 //! assert_eq!(map.labels.len(), scan.len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -80,6 +81,7 @@ pub use terrace_grid::{Assignment, CellId, Connectivity, VoxelKey};
 pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
 pub use terrace_normals::{PlaneFit, UncertainNormal};
+pub use terrace_regions::Step;
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 
 /// The examples of the README are tests.

@@ -3,7 +3,7 @@
 use terrace_cluster::SeedOrder;
 use terrace_grid::{Assignment, Connectivity, validate_cell_size};
 use terrace_normals::FitTo;
-use terrace_regions::RegionsError;
+use terrace_regions::{RegionsError, Step};
 
 use crate::{Beta, CostForm, ParamsError};
 
@@ -103,6 +103,8 @@ pub struct Regions {
     pub min_area: Option<f64>,
     /// Which regions are one plane.
     pub join: Join,
+    /// A step that is left out, to find what it is worth.
+    pub leave_out: Option<Step>,
 }
 
 /// Which regions are one plane.
@@ -118,8 +120,8 @@ pub enum Join {
 impl Regions {
     /// Without the join, which regions know nothing of.
     pub(crate) fn settings(&self, errors_are_stated: bool) -> terrace_regions::Settings {
-        let Self { tilt, reach, turn, min_points, min_area, .. } = *self;
-        terrace_regions::Settings { tilt, reach, turn, errors_are_stated, min_points, min_area }
+        let Self { tilt, reach, turn, min_points, min_area, leave_out, .. } = *self;
+        terrace_regions::Settings { tilt, reach, turn, errors_are_stated, min_points, min_area, leave_out }
     }
 }
 
@@ -127,7 +129,7 @@ impl Default for Regions {
     fn default() -> Self {
         let terrace_regions::Settings { tilt, reach, turn, min_points, min_area, .. } =
             terrace_regions::Settings::default();
-        Self { tilt, reach, turn, min_points, min_area, join: Join::default() }
+        Self { tilt, reach, turn, min_points, min_area, join: Join::default(), leave_out: None }
     }
 }
 

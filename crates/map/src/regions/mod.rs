@@ -41,7 +41,12 @@ impl Mapper {
         let mut errors = Errors::of(self, &nodes, floor);
         let subcells = Subcells::of(self, grid);
         let cells = subcells.with_errors(&mut errors, nodes.know_errors());
-        let found = segment(&cells, 0.5 * grid.cell_size(), subcells.points(), &settings.settings(nodes.know_errors()))?;
+        let found = segment(
+            &cells,
+            0.5 * grid.cell_size(),
+            subcells.points(),
+            &settings.settings(nodes.know_errors()),
+        )?;
 
         begins(Stage::Label { points: self.len() });
         let mut labels: Vec<Option<PlaneId>> =
