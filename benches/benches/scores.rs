@@ -1,15 +1,17 @@
 //! The scoreboard: what the default settings find on every labelled scene of the data folder.
 //!
-//! `cargo bench -p terrace-benches --bench scores [-- [--clusters] [--join] [--moved] [--planes] [--csv FILE] [--export DIR] SCENE...]`
+//! `cargo bench -p terrace-benches --bench scores [-- [--clusters] [--join] [--moved] [--ablation] [--planes] [--csv FILE] [--export DIR] [--pictures DIR] SCENE...]`
 //!
 //! * `SCENE`: part of the name of a scene or group; without any, all are run.
 //! * `--clusters`: planes as clusters of cells, with labels of cells.
 //! * `--join`: planes that do not touch are joined where they are the same within their covariances.
 //! * `--moved`: each scene again, turned at random and moved by 5000 km along each axis, with how many planes match that
 //!   did not before, and how many are the same planes.
+//! * `--ablation`: each scene again without each step of the method, and how far F1@.8 and weighted cover fall (or rise).
 //! * `--planes`: under each scene, what became of every true plane and which found planes are of none.
 //! * `--csv FILE`: all measures of `terrace_eval`, and those of here, as a table.
 //! * `--export DIR`: points, true and found labels of each scene as files; `benches/peers/run` gives them to other programs.
+//! * `--pictures DIR`: each scene as a picture, coloured by true planes and beside it by found ones.
 //!
 //! Columns: `F1 joined` is what F1@.8 would be had the parts of split planes been joined; `np` the share of the points
 //! of no plane that a plane claims; `angle` the median, in degrees, of planes that match above one half, and `offset` theirs
@@ -21,9 +23,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use terrace::{Join, Params, Regions};
+use terrace_benches::ablation::Ablation;
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
 use terrace_benches::overlap::{Overlaps, Part};
-use terrace_benches::{Score, export, peers, value};
+use terrace_benches::{Score, export, peers, pictures, value};
 use terrace_eval::{Contingency, Evaluation, Measure};
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
@@ -63,14 +66,18 @@ const BOTH: [(&str, &str, usize); 5] = [
     ("matched@.8", "matched_80", 1),
 ];
 
+// Options of a command line are independent of each other.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Default)]
 struct Args {
     clusters: bool,
     join: bool,
     moved: bool,
+    ablation: bool,
     planes: bool,
     csv: Option<PathBuf>,
     export: Option<PathBuf>,
+    pictures: Option<PathBuf>,
     scenes: Vec<String>,
 }
 
@@ -112,9 +119,11 @@ fn arguments() -> Outcome<Args> {
             "--clusters" => args.clusters = true,
             "--join" => args.join = true,
             "--moved" => args.moved = true,
+            "--ablation" => args.ablation = true,
             "--planes" => args.planes = true,
             "--csv" => args.csv = Some(given.next().ok_or("--csv FILE")?.into()),
             "--export" => args.export = Some(given.next().ok_or("--export DIR")?.into()),
+            "--pictures" => args.pictures = Some(given.next().ok_or("--pictures DIR")?.into()),
             option if option.starts_with('-') => return Err(format!("unknown option {option}").into()),
             _ => args.scenes.push(word),
         }
@@ -123,6 +132,9 @@ fn arguments() -> Outcome<Args> {
 }
 
 fn board(args: &Args) -> Outcome<()> {
+    if args.ablation {
+        return ablation(args);
+    }
     let mut rows: Vec<Row> = Vec::new();
     let mut absent = Vec::new();
     for entry in entries()?.into_iter().filter(|entry| entry.is_meant(&args.scenes)) {
@@ -148,6 +160,28 @@ fn board(args: &Args) -> Outcome<()> {
     Ok(())
 }
 
+/// Groups of several scenes are shown by their mean.
+fn ablation(args: &Args) -> Outcome<()> {
+    let mut rows: Vec<(String, &'static str, Ablation)> = Vec::new();
+    for entry in entries()?.into_iter().filter(|entry| entry.is_meant(&args.scenes)) {
+        let Some(scene) = entry.load()? else { continue };
+        eprintln!("{} ...", entry.name);
+        rows.push((entry.name, entry.group, Ablation::of(&scene)?));
+    }
+    println!("{}", Ablation::heading());
+    for group in rows.chunk_by(|a, b| !a.1.is_empty() && a.1 == b.1) {
+        let of: Vec<&Ablation> = group.iter().map(|(_, _, of)| of).collect();
+        match group {
+            [(name, _, only)] => println!("{}", only.row(name)),
+            [(_, group, _), ..] => {
+                println!("{}", Ablation::mean(&of).row(&format!("{group}, mean of {}", of.len())));
+            }
+            [] => {}
+        }
+    }
+    Ok(())
+}
+
 fn params(args: &Args) -> Params {
     match (args.clusters, args.join) {
         (true, _) => Params::clusters(),
@@ -165,6 +199,9 @@ fn row(entry: Entry, scene: &Labelled, args: &Args) -> Outcome<Row> {
     let score = Score::of(scene, params)?;
     if let Some(folder) = &args.export {
         export::write(folder, &entry, scene, &score)?;
+    }
+    if let Some(folder) = &args.pictures {
+        pictures::write(folder, &entry, scene, &score)?;
     }
     if args.planes {
         print_planes(&entry.name, scene, &score);

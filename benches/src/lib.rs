@@ -1,9 +1,11 @@
 //! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux.
 
+pub mod ablation;
 pub mod export;
 pub mod labelled;
 pub mod overlap;
 pub mod peers;
+pub mod pictures;
 pub mod scenes;
 mod score;
 mod usage;
