@@ -23,7 +23,9 @@ fn inserted(scans: &[Scan], params: Params) -> Mapper {
 fn benches(c: &mut Criterion) {
     let scans = room();
     c.bench_function("choose_cell_size/7143 points", |b| b.iter(|| choose_cell_size(black_box(&scans[0]))));
-    for (name, preset) in [("default", Params::default()), ("paper", Params::paper())] {
+    for (name, preset) in
+        [("default", Params::default()), ("clusters", Params::clusters()), ("paper", Params::paper())]
+    {
         c.bench_function(&format!("insert/100000 points/{name}"), |b| {
             b.iter(|| inserted(black_box(&scans), preset).len());
         });

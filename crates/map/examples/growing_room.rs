@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let map = mapper.extract()?;
         let summary = map.summary();
         print!("{:6} {:9} {:10} {:7} |", 14 * (seed + 1), summary.points, summary.labelled, summary.planes);
-        if let Some(found) = floor.and_then(|plane| find(&map, plane)) {
-            let [x, y, z] = found.normal_uncertainty;
+        let found = floor.and_then(|plane| find(&map, plane));
+        if let Some((found, [x, y, z])) = found.and_then(|plane| Some((plane, plane.normal_uncertainty?))) {
             print!(" {:8}  {x:.3}  {y:.3}  {z:.3}  {:.4}", found.points, found.rms);
         }
         println!();

@@ -24,12 +24,21 @@ pub(crate) struct Subcells<'m> {
 
 impl<'m> Subcells<'m> {
     pub(crate) fn of(mapper: &'m Mapper, grid: &'m VoxelGrid) -> Self {
+        // Sums that overflow are no cell of a region: their points are of no plane.
+        let mut usable = vec![false; grid.len()];
+        for cell in grid.iter() {
+            usable[cell.id().index()] = cell.stats().moments().noise().is_finite();
+        }
+        let of_points = || {
+            let known = |(cell, place): (&Option<CellId>, &'m [f32; 3])| {
+                let at = (*cell)?.index();
+                (usable[at] && place.iter().all(|x| x.is_finite())).then_some((at, place))
+            };
+            mapper.cells_of_points().iter().zip(mapper.places()).map(known)
+        };
         let mut occupied = vec![0_u8; grid.len()];
-        let of_points = || mapper.cells_of_points().iter().zip(mapper.places());
-        for (cell, place) in of_points() {
-            if let Some(occupied) = cell.and_then(|cell| occupied.get_mut(cell.index())) {
-                *occupied |= 1 << eighth(place);
-            }
+        for (at, place) in of_points().flatten() {
+            occupied[at] |= 1 << eighth(place);
         }
         let (mut keys, mut of) = (Vec::new(), Vec::new());
         let mut first = vec![0_u32; grid.len()];
@@ -42,14 +51,14 @@ impl<'m> Subcells<'m> {
             }
         }
         let mut moments = vec![Moments::EMPTY; keys.len()];
-        let points = of_points().map(|(cell, place)| {
-            let at = (*cell)?.index();
+        let points = of_points().map(|point| {
+            let (at, place) = point?;
             let before = occupied[at] & ((1 << eighth(place)) - 1);
             let subcell = first[at] + before.count_ones();
             moments[subcell as usize].push(&UncertainVector::exact(place.map(f64::from)));
             Some(subcell)
         });
-        let points = points.collect();
+        let points: Vec<Option<u32>> = points.collect();
         Self { grid, places: mapper.places(), moments, keys, of, points }
     }
 

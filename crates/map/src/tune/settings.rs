@@ -80,7 +80,7 @@ impl Settings {
         Self::at(&place).unwrap_or(*self)
     }
 
-    /// The parameters with these settings, and without a search for the φ of single clusters.
+    /// The parameters with these settings, of clusters without a search for the φ of single ones.
     pub fn in_params(&self, params: &Params) -> Params {
         Params {
             cell_size: Some(self.cell_size),
@@ -89,6 +89,7 @@ impl Settings {
             omega: self.omega,
             phi: self.phi,
             optimise: None,
+            regions: None,
             ..*params
         }
     }

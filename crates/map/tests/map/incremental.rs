@@ -1,6 +1,6 @@
 //! Maps that grow.
 
-use terrace::{Mapper, Stage};
+use terrace::{Mapper, Params, Stage};
 use terrace_synth::Scene;
 
 use crate::common::{PRESETS, bits, check_sound, map_of, scans};
@@ -28,7 +28,7 @@ fn asking_between_scans_changes_nothing() {
 #[test]
 fn the_cell_size_is_chosen_from_the_first_scan() {
     let scans = scans(&Scene::room(), 40_000, 6);
-    let mut mapper = Mapper::new(terrace::Params::default()).unwrap();
+    let mut mapper = Mapper::new(Params::default()).unwrap();
     assert_eq!(mapper.chosen_cell_size(), None);
     mapper.insert(&scans[0].scan).unwrap();
     let chosen = mapper.chosen_cell_size().unwrap();
@@ -36,19 +36,23 @@ fn the_cell_size_is_chosen_from_the_first_scan() {
     mapper.insert(&scans[1].scan).unwrap();
     let used = mapper.extract().unwrap().used;
     assert_eq!((used.chosen, used.cell_size), (Some(chosen), chosen.cell_size));
-    assert_eq!(used.params, terrace::Params::default());
+    assert_eq!(used.params, Params::default());
 }
 
 #[test]
 fn stages_are_told_in_order_with_their_sizes() {
     let scans = scans(&Scene::room(), 40_000, 6);
-    let params = terrace::Params { phi: 0.4, ..terrace::Params::default() };
-    let mapper = crate::common::mapper(params, &[&scans[0].scan, &scans[7].scan]);
-    let mut told = Vec::new();
-    let found = mapper.extract_observed(|stage| told.push(stage)).unwrap();
+    let told = |params| {
+        let mapper = crate::common::mapper(params, &[&scans[0].scan, &scans[7].scan]);
+        let mut told = Vec::new();
+        let found = mapper.extract_observed(|stage| told.push(stage)).unwrap();
+        (told, found)
+    };
+    let (stages, found) = told(Params { phi: 0.4, ..Params::clusters() });
     let counts = found.cell_counts;
+    assert!(!found.optimised.is_empty());
     assert_eq!(
-        told,
+        stages,
         [
             Stage::Normals { cells: counts.occupied },
             Stage::Cluster { cells: counts.clustered },
@@ -56,4 +60,8 @@ fn stages_are_told_in_order_with_their_sizes() {
             Stage::Label { points: found.labels.len() },
         ]
     );
+    let (stages, found) = told(Params::default());
+    let cells = found.cell_counts.occupied;
+    let points = found.labels.len();
+    assert_eq!(stages, [Stage::Normals { cells }, Stage::Grow { cells }, Stage::Label { points }]);
 }

@@ -14,5 +14,6 @@ mod motion;
 mod optimisation;
 mod params;
 mod planes;
+mod regions;
 mod tune;
 mod weighting;

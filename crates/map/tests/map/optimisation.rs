@@ -8,7 +8,7 @@ use terrace_cluster::{Grower, Staircase, segment};
 use terrace_stats::UncertainVector;
 use terrace_synth::Scene;
 
-use crate::common::{PRESETS, mapper, scans, with_optimise};
+use crate::common::{CLUSTERED, mapper, scans, with_optimise};
 
 const FORMS: [CostForm; 2] = [CostForm::Sum, CostForm::Share];
 
@@ -24,7 +24,7 @@ fn table(preset: fn() -> Params, form: CostForm, seed: u64) -> (Mapper, PlaneMap
 }
 
 fn all_tables(check: impl Fn(&Mapper, &PlaneMap, usize, &Optimised)) {
-    for preset in PRESETS {
+    for preset in CLUSTERED {
         for form in FORMS {
             for seed in 0..3 {
                 let (mapper, map) = table(preset, form, seed);
@@ -94,7 +94,8 @@ fn beta_is_that_of_the_planes_that_were_made() {
         if map.optimised.len() > 1 || number > 0 {
             return;
         }
-        let made: Vec<&ExtractedPlane> = map.planes.iter().filter(|p| p.phi == record.minimum.x[0]).collect();
+        let made: Vec<&ExtractedPlane> =
+            map.planes.iter().filter(|p| p.phi == Some(record.minimum.x[0])).collect();
         assert_eq!(made.len(), record.clusters);
         assert_eq!(made.iter().map(|p| p.cells).sum::<usize>(), record.cells);
         let optimise = map.used.params.optimise.unwrap();
@@ -105,7 +106,7 @@ fn beta_is_that_of_the_planes_that_were_made() {
                     CostForm::Sum => 1.0,
                     CostForm::Share => p.cells as f64 / record.cells as f64,
                 };
-                share * p.normal_uncertainty.iter().sum::<f64>()
+                share * p.normal_uncertainty.unwrap().iter().sum::<f64>()
             })
             .sum();
         let beta =
@@ -126,7 +127,7 @@ fn beta_never_rises_above_that_of_the_cluster_as_found() {
 
 #[test]
 fn beta_never_rises_in_a_room_either() {
-    for preset in PRESETS {
+    for preset in CLUSTERED {
         for form in FORMS {
             for seed in 0..3 {
                 let scans = scans(&Scene::room(), 40_000, seed);
@@ -151,7 +152,7 @@ fn beta_never_rises_in_a_room_either() {
 fn only_clusters_above_the_threshold_are_optimised() {
     let scans = scans(&Scene::room(), 40_000, 8);
     let scans: Vec<_> = scans.iter().map(|s| &s.scan).collect();
-    let params = Params { phi: 0.3, ..Params::default() };
+    let params = Params { phi: 0.3, ..Params::clusters() };
     for above in [0.0, 0.1, 0.2, 1.0] {
         let found = mapper(with_optimise(params, |o| o.above = above), &scans).extract().unwrap();
         for record in &found.optimised {
@@ -161,11 +162,11 @@ fn only_clusters_above_the_threshold_are_optimised() {
             assert!(found.optimised.len() > 10);
         }
         if above == 1.0 {
-            assert!(found.optimised.is_empty() && found.planes.iter().all(|p| p.phi == 0.3));
+            assert!(found.optimised.is_empty() && found.planes.iter().all(|p| p.phi == Some(0.3)));
         }
-        let kept = found.planes.iter().filter(|p| p.phi == 0.3);
+        let kept = found.planes.iter().filter(|p| p.phi == Some(0.3));
         for plane in kept {
-            let worst = plane.normal_uncertainty.into_iter().fold(0.0, f64::max);
+            let worst = plane.normal_uncertainty.unwrap().into_iter().fold(0.0, f64::max);
             let searched = found.optimised.iter().any(|o| o.minimum.x[0] == 0.3);
             assert!(worst <= above || searched, "{worst} was not searched");
         }
@@ -174,7 +175,7 @@ fn only_clusters_above_the_threshold_are_optimised() {
 
 #[test]
 fn staircases_that_are_not_there_are_empty() {
-    let (mapper, map) = table(Params::default, CostForm::Share, 0);
+    let (mapper, map) = table(Params::clusters, CostForm::Share, 0);
     let clusters = mapper.uncertain_clusters().unwrap();
     assert_eq!(clusters.len(), map.optimised.len());
     assert!(clusters.get(clusters.len()).is_none());
@@ -229,7 +230,7 @@ fn both_forms_of_beta_are_the_formula() {
 #[test]
 fn the_repaired_staircase_is_that_of_clusterings_from_nothing() {
     let relative = |a: f64, b: f64| (a / b - 1.0).abs();
-    for preset in PRESETS {
+    for preset in CLUSTERED {
         let (mapper, _) = table(preset, CostForm::Share, 5);
         for cluster in mapper.uncertain_clusters().unwrap().iter() {
             let neighbours = |cell| cluster.neighbours(cell);

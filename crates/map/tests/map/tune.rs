@@ -14,7 +14,7 @@ use terrace_crs::{Cost, Step};
 use terrace_eval::Contingency;
 use terrace_synth::Scene;
 
-use crate::common::PRESETS;
+use crate::common::{CLUSTERED, bits};
 
 /// A small table and the true label of each of its points.
 fn table(points: usize) -> (Vec<Scan>, Vec<TrueLabel>) {
@@ -73,7 +73,7 @@ fn on(step: &TuneStep, at: &Settings, rng: &mut ChaCha8Rng) -> Settings {
 fn the_value_holds_on_the_whole_step() {
     let (scans, truth) = table(3000);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for preset in PRESETS {
+    for preset in CLUSTERED {
         for objective in objectives(&truth) {
             let tuner = Tuner::new(preset(), scans.clone(), objective).unwrap();
             let size = tuner.in_use().cell_size;
@@ -95,7 +95,7 @@ fn the_value_holds_on_the_whole_step() {
 
 #[test]
 fn steps_begin_and_end_where_decisions_change() {
-    let params = Params::default();
+    let params = Params::clusters();
     let tuner = tuner(params, Objective::default());
     let (scans, _) = table(3000);
     let mut cost = tuner.cost(&tuner.space()).unwrap();
@@ -127,7 +127,7 @@ fn steps_begin_and_end_where_decisions_change() {
 
 #[test]
 fn beyond_all_cells_steps_have_no_end() {
-    let tuner = tuner(Params::default(), Objective::default());
+    let tuner = tuner(Params::clusters(), Objective::default());
     let mut cost = tuner.cost(&tuner.space()).unwrap();
     let sparse = cost.at(&Settings { tau: 1 << 40, ..tuner.in_use() }).unwrap();
     assert_eq!((sparse.tau.1, sparse.omega.1), (None, f64::INFINITY));
@@ -145,7 +145,7 @@ fn costs_are_their_formulas_of_an_extraction() {
     let true_labels: Vec<_> =
         truth.iter().map(|l| if let TrueLabel::Plane(plane) = l { Some(*plane) } else { None }).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    for preset in PRESETS {
+    for preset in CLUSTERED {
         let params = preset();
         for (number, objective) in objectives(&truth).into_iter().enumerate() {
             let tuner = Tuner::new(params, scans.clone(), objective).unwrap();
@@ -158,10 +158,9 @@ fn costs_are_their_formulas_of_an_extraction() {
                     0 => {
                         let all = map.labels.len() as f64;
                         let free = map.labels.iter().filter(|l| l.is_none()).count() as f64;
-                        let shares = map
-                            .planes
-                            .iter()
-                            .map(|p| p.points as f64 / all * p.normal_uncertainty.iter().sum::<f64>());
+                        let shares = map.planes.iter().map(|p| {
+                            p.points as f64 / all * p.normal_uncertainty.unwrap().iter().sum::<f64>()
+                        });
                         shares.sum::<f64>() + free / all * 3.0_f64.sqrt() + 0.001 * map.planes.len() as f64
                     }
                     1 => 1.0 - both.weighted_cover().unwrap(),
@@ -178,7 +177,7 @@ fn points_whose_truth_is_unknown_do_not_count() {
     let (scans, mut truth) = table(3000);
     let in_use = |truth: &[TrueLabel]| {
         let objective = Objective::Labels { truth: truth.to_vec(), quality: Quality::Cover };
-        let tuner = Tuner::new(Params::default(), scans.clone(), objective).unwrap();
+        let tuner = Tuner::new(Params::clusters(), scans.clone(), objective).unwrap();
         tuner.cost(&tuner.space()).unwrap().at(&tuner.in_use()).unwrap().value
     };
     let all = in_use(&truth);
@@ -200,7 +199,7 @@ fn points_whose_truth_is_unknown_do_not_count() {
 fn the_best_is_the_best_seen_and_no_worse_than_before() {
     let (scans, truth) = table(3000);
     for objective in objectives(&truth) {
-        let tuner = Tuner::new(Params::default(), scans.clone(), objective).unwrap();
+        let tuner = Tuner::new(Params::clusters(), scans.clone(), objective).unwrap();
         let mut cost = tuner.cost(&tuner.space()).unwrap();
         let (mut heard, mut lowest) = (0, f64::INFINITY);
         let search = TuneSearch { evaluations: 60, cancel: None };
@@ -227,8 +226,23 @@ fn the_best_is_the_best_seen_and_no_worse_than_before() {
 }
 
 #[test]
+fn what_was_tuned_is_what_is_extracted_though_regions_were_asked_for() {
+    let (scans, _) = table(3000);
+    let search = TuneSearch { evaluations: 20, cancel: None };
+    let tuned = |params| {
+        let tuner = Tuner::new(params, scans.clone(), Objective::default()).unwrap();
+        tuner.cost(&tuner.space()).unwrap().tune(&search, |_| {}).unwrap()
+    };
+    let (regions, clusters) = (tuned(Params::default()), tuned(Params::clusters()));
+    assert_eq!(regions, clusters);
+    assert!(clusters.params.regions.is_none());
+    let extracted = |params| bits(&crate::common::map(params, &scans.iter().collect::<Vec<_>>()));
+    assert_eq!(extracted(regions.params), extracted(clusters.params));
+}
+
+#[test]
 fn a_fixed_setting_stays_and_a_small_space_is_certified() {
-    let tuner = tuner(Params::default(), Objective::default());
+    let tuner = tuner(Params::clusters(), Objective::default());
     let in_use = tuner.in_use();
     let space = TuneSpace {
         cell_size: vec![in_use.cell_size],
@@ -259,7 +273,7 @@ fn a_fixed_setting_stays_and_a_small_space_is_certified() {
 
 #[test]
 fn slices_cover_their_setting() {
-    let tuner = tuner(Params::default(), Objective::default());
+    let tuner = tuner(Params::clusters(), Objective::default());
     let mut cost = tuner.cost(&tuner.space()).unwrap();
     let through = tuner.in_use();
     for (axis, values) in [(TuneAxis::CellSize, 5), (TuneAxis::Depth, 2)] {
@@ -284,7 +298,7 @@ fn slices_cover_their_setting() {
 
 #[test]
 fn a_search_can_be_cancelled() {
-    let tuner = tuner(Params::default(), Objective::default());
+    let tuner = tuner(Params::clusters(), Objective::default());
     let flag = Arc::new(AtomicBool::new(false));
     let search = TuneSearch { evaluations: 200, cancel: Some(flag.clone()) };
     let mut cost = tuner.cost(&tuner.space()).unwrap();
@@ -299,7 +313,7 @@ fn a_search_can_be_cancelled() {
 fn what_cannot_be_tuned_is_told() {
     let (scans, truth) = table(3000);
     let labels = |truth: Vec<TrueLabel>, quality| {
-        Tuner::new(Params::default(), scans.clone(), Objective::Labels { truth, quality }).err()
+        Tuner::new(Params::clusters(), scans.clone(), Objective::Labels { truth, quality }).err()
     };
     let short = labels(truth[..10].to_vec(), Quality::Cover);
     assert_eq!(short, Some(TuneError::Labels { labels: 10, points: 3000 }));
@@ -309,17 +323,17 @@ fn what_cannot_be_tuned_is_told() {
     assert!(matches!(labels(truth, Quality::F1 { at_iou: 0.3 }), Some(TuneError::Eval(_))));
     let weighed = |weight_clusters| {
         let objective = Objective::Uncertainty { weight_uncertainty: 1.0, weight_clusters };
-        Tuner::new(Params::default(), scans.clone(), objective).err().map(|e| e.to_string())
+        Tuner::new(Params::clusters(), scans.clone(), objective).err().map(|e| e.to_string())
     };
     assert!(weighed(f64::NAN).unwrap().contains("weight_clusters is NaN"));
     assert!(weighed(-1.0).unwrap().contains("weight_clusters is -1"));
-    let nothing = Tuner::new(Params::default(), vec![], Objective::default()).err();
+    let nothing = Tuner::new(Params::clusters(), vec![], Objective::default()).err();
     assert!(matches!(nothing, Some(TuneError::Extract(_))));
-    let params = Params { phi: 2.0, ..Params::default() };
+    let params = Params { phi: 2.0, ..Params::clusters() };
     let wrong = Tuner::new(params, scans.clone(), Objective::default()).err();
     assert!(matches!(wrong, Some(TuneError::Params(_))));
 
-    let tuner = Tuner::new(Params::default(), scans, Objective::default()).unwrap();
+    let tuner = Tuner::new(Params::clusters(), scans, Objective::default()).unwrap();
     let mut cost = tuner.cost(&tuner.space()).unwrap();
     let search = TuneSearch { evaluations: 1, cancel: None };
     assert_eq!(cost.tune(&search, |_| {}).err(), Some(TuneError::Evaluations { evaluations: 1 }));
@@ -341,7 +355,7 @@ proptest! {
         seed in 0_u64..10,
     ) {
         let scan = crate::common::unknown(&points);
-        let params = Params { cell_size: Some(size), tau: Some(tau), min_cells: 1, seed, ..Params::default() };
+        let params = Params { cell_size: Some(size), tau: Some(tau), min_cells: 1, seed, ..Params::clusters() };
         match Tuner::new(params, vec![scan], Objective::default()) {
             Ok(tuner) => {
                 let space = TuneSpace { omega: (omega / 2.0, omega), ..tuner.space() };
