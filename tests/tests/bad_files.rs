@@ -96,17 +96,21 @@ fn file_without_a_cell_size_is_named() {
 fn wrong_arguments_end_with_2_and_are_named() {
     let files = Files::new();
     let (good, out) = (files.path("good/points.ply"), files.path("out"));
-    let cases: [(&[&str], &[&str]); 14] = [
+    let cases: [(&[&str], &[&str]); 18] = [
         (&["--wobble"], &["--wobble"]),
-        (&["--phi", "2"], &["phi", "2"]),
-        (&["--phi", "-0.5"], &["phi", "-0.5"]),
+        (&["--preset", "clusters", "--phi", "2"], &["phi", "2"]),
+        (&["--preset", "clusters", "--phi", "-0.5"], &["phi", "-0.5"]),
+        (&["--max-tilt", "-0.5"], &["tilt", "-0.5"]),
+        (&["--reach", "0"], &["reach", "0"]),
+        (&["--min-area", "-1"], &["min_area", "-1"]),
+        (&["--join", "loosely"], &["--join", "loosely"]),
         (&["--cell", "0"], &["cell", "0"]),
         (&["--cell", "-1"], &["cell", "-1"]),
         (&["--cell", "nan"], &["cell", "NaN"]),
         (&["--cell", "wide"], &["--cell", "wide"]),
-        (&["--omega", "-1"], &["omega", "-1"]),
+        (&["--preset", "clusters", "--omega", "-1"], &["omega", "-1"]),
         (&["--tau", "0"], &["tau", "0"]),
-        (&["--depth", "0"], &["depth", "0"]),
+        (&["--preset", "paper", "--depth", "0"], &["depth", "0"]),
         (&["--sigma", "-1"], &["sigma", "-1", "metres"]),
         (&["--threads", "0"], &["--threads", "0"]),
         (&["--depth-scale", "-1"], &["--depth-scale", "-1", "above 0"]),

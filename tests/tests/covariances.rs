@@ -137,32 +137,36 @@ fn check(plane: &PlaneRecord) {
 #[test]
 fn the_true_planes_are_where_the_covariance_says() {
     let folder = Folder::table();
-    let run = folder.extract("truth/points.ply", &[]);
-    assert!(run.stdout.contains("tilt deg   off mm"), "{}", run.stdout);
-    assert!(!run.stdout.contains("standard errors of the points"), "{}", run.stdout);
-    assert!(run.stdout.lines().all(|line| line.chars().count() <= 120), "{}", run.stdout);
-    for truth in folder.planes("truth") {
-        let found = folder.found(&truth);
-        check(&found);
-        let distance = squared_distance(&found, &truth);
-        assert!(distance < TOO_FAR, "{:?}: {distance}", truth.name);
-        // A centimetre of noise on thousands of points.
-        assert!((1e-5..2e-3).contains(&own(&found).offset()), "{found:?}");
-        assert!((1e-5..5e-3).contains(&own(&found).largest_tilt()), "{found:?}");
-        assert!((0.9..1.1).contains(&found.reduced_chi_squared.unwrap()), "{found:?}");
-        assert!(found.min_max.is_some());
+    for preset in ["default", "clusters"] {
+        let run = folder.extract("truth/points.ply", &["--preset", preset]);
+        assert!(run.stdout.contains("tilt deg   off mm"), "{}", run.stdout);
+        assert!(!run.stdout.contains("standard errors of the points"), "{}", run.stdout);
+        assert!(run.stdout.lines().all(|line| line.chars().count() <= 120), "{}", run.stdout);
+        for truth in folder.planes("truth") {
+            let found = folder.found(&truth);
+            check(&found);
+            let distance = squared_distance(&found, &truth);
+            assert!(distance < TOO_FAR, "{:?}: {distance}", truth.name);
+            // A centimetre of noise on thousands of points.
+            assert!((1e-5..2e-3).contains(&own(&found).offset()), "{found:?}");
+            assert!((1e-5..5e-3).contains(&own(&found).largest_tilt()), "{found:?}");
+            assert!((0.9..1.1).contains(&found.reduced_chi_squared.unwrap()), "{found:?}");
+            assert!(found.min_max.is_some());
+        }
+        for plane in folder.planes("out").iter().filter(|plane| plane.covariance.is_some()) {
+            check(plane);
+        }
+        assert_eq!(folder.parameter("estimate"), json!({ "floor": 0.0 }));
+        assert_eq!(folder.parameter("noise_found"), json!(null));
     }
-    for plane in folder.planes("out").iter().filter(|plane| plane.covariance.is_some()) {
-        check(plane);
-    }
-    assert_eq!(folder.parameter("estimate"), json!({ "floor": 0.0 }));
-    assert_eq!(folder.parameter("noise_found"), json!(null));
 }
 
 #[test]
 fn covariances_can_be_left_out() {
     let folder = Folder::table();
-    for arguments in [&["--no-covariance"][..], &["--preset", "paper"]] {
+    for arguments in
+        [&["--no-covariance"][..], &["--no-covariance", "--preset", "clusters"], &["--preset", "paper"]]
+    {
         let run = folder.extract("truth/points.ply", arguments);
         assert!(run.stdout.contains("s_z") && !run.stdout.contains("tilt"), "{}", run.stdout);
         let file = planes_without_times(Path::new(&folder.path("out")));
@@ -233,9 +237,15 @@ fn errors_that_nobody_stated_are_found_and_told() {
         assert!(distance < TOO_FAR, "{:?}: {distance}", truth.name);
     }
 
-    let run = folder.extract("bare.xyz", &["--no-covariance"]);
+    let run = folder.extract("bare.xyz", &["--no-covariance", "--preset", "clusters"]);
     assert!(run.stdout.contains("are unknown (--sigma, --sensor): "), "{}", run.stdout);
     assert_eq!(folder.parameter("noise_found"), json!(null));
+    // Regions cannot do without.
+    let run = folder.extract("bare.xyz", &["--no-covariance"]);
+    assert!(run.stdout.contains("found from the residuals of"), "{}", run.stdout);
+    let knots = &folder.parameter("noise_found")["knots"];
+    let middle = knots[knots.as_array().unwrap().len() / 2]["along"].as_f64().unwrap();
+    assert!((0.009..0.011).contains(&middle), "{knots}");
 }
 
 #[test]

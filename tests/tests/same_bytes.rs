@@ -51,6 +51,11 @@ fn default_preset_repeats_to_the_byte() {
 }
 
 #[test]
+fn clusters_preset_repeats_to_the_byte() {
+    runs_agree("clusters");
+}
+
+#[test]
 fn paper_preset_repeats_to_the_byte() {
     runs_agree("paper");
 }

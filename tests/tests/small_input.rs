@@ -39,7 +39,7 @@ fn few_points_need_a_cell_size() {
     for lines in ["1 2 3\n", "1 2 3\n4 5 6\n", "0 0 0\n1 0 0\n0 1 0\n"] {
         let run = extract(lines, &[], 1);
         assert!(run.stderr.contains("cell size"), "{}", run.stderr);
-        for preset in ["default", "paper"] {
+        for preset in ["default", "clusters", "paper"] {
             let _ = extract(lines, &["--preset", preset], 1);
             let _ = extract(lines, &["--preset", preset, "--cell", "0.1"], 0);
         }
@@ -54,7 +54,10 @@ fn equal_points_span_no_plane() {
         let _ = extract(&lines, &[], 1);
         let _ = extract(&lines, &CELL, 0);
         let _ = extract(&lines, &PICTURE, 0);
-        let _ = extract(&lines, &["--cell", "0.1", "--tau", "1", "--min-cells", "1", "--sigma", "0.01"], 0);
+        let all = ["--cell", "0.1", "--tau", "1", "--sigma", "0.01"];
+        let _ = extract(&lines, &[&all[..], &["--min-points", "1", "--min-area", "0"]].concat(), 0);
+        let clusters = ["--preset", "clusters", "--min-cells", "1"];
+        let _ = extract(&lines, &[&all[..], &clusters].concat(), 0);
     }
 }
 
@@ -68,7 +71,7 @@ fn absent_points_alone_are_nothing_usable() {
 #[test]
 fn points_on_one_line_span_no_plane() {
     let lines: String = (0..500).map(|i| format!("{} 0 0\n", f64::from(i) * 0.01)).collect();
-    for preset in ["default", "paper"] {
+    for preset in ["default", "clusters", "paper"] {
         let _ = extract(&lines, &["--cell", "0.1", "--preset", preset], 0);
     }
 }

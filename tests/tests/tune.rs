@@ -134,7 +134,8 @@ fn wrong_arguments_are_told_by_option_and_value() {
     let _ = terrace(["synth", "table", "--points", "500", "--out", &short]).ended_with(0);
     let (short, missing) = (format!("{short}/labels.npy"), table.path("missing.npy"));
     let cloud = table.path("table/points.ply");
-    let wrong: [(&[&str], i32, &[&str]); 12] = [
+    let wrong: [(&[&str], i32, &[&str]); 13] = [
+        (&["--preset", "default"], 2, &["--preset clusters", "regions need no tuning"]),
         (&["--labels", &short], 2, &["--labels", "500", "6000"]),
         (&["--labels", &missing], 1, &["--labels", "missing.npy"]),
         (&["--labels", &cloud], 1, &["--labels", "points.ply"]),

@@ -152,6 +152,23 @@ fn a_file_without_covariances_is_read() {
 }
 
 #[test]
+fn stages_that_were_not_are_left_out_of_the_timings() {
+    let with = |grow, extent| {
+        let timings = Timings { grow, extent, ..Timings::default() };
+        let file = PlanesFile { timings_seconds: Some(timings), ..example() };
+        let text = file.to_json().unwrap();
+        assert_eq!(PlanesFile::from_json(text.as_bytes()).unwrap(), file);
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["timings_seconds"].clone()
+    };
+    let neither = with(None, None);
+    assert!(neither.get("grow").is_none() && neither.get("extent").is_none(), "{neither}");
+    let both = with(Some(0.5), Some(0.25));
+    assert_eq!((&both["grow"], &both["extent"]), (&json!(0.5), &json!(0.25)));
+    let stages = neither.as_object().unwrap().len();
+    assert_eq!(both.as_object().unwrap().len(), stages + 2);
+}
+
+#[test]
 fn both_covariances_tell_the_same_distances() {
     let file = example();
     let (of_coefficients, own) =
@@ -214,7 +231,7 @@ type Spoil = fn(&mut PlanesFile);
 
 #[test]
 fn nan_and_infinity_are_refused_by_name() {
-    let spoil: [(&str, Spoil); 14] = [
+    let spoil: [(&str, Spoil); 15] = [
         ("planes[0].coefficients", |f| f.planes[0].coefficients[3] = f64::NAN),
         ("planes[0].centroid", |f| f.planes[0].centroid = Some([f64::INFINITY; 3])),
         ("planes[0].normal_uncertainty", |f| f.planes[0].normal_uncertainty = Some([f64::NAN; 3])),
@@ -242,6 +259,9 @@ fn nan_and_infinity_are_refused_by_name() {
             });
         }),
         ("timings_seconds", |f| f.timings_seconds = Some(Timings { label: f64::NAN, ..Timings::default() })),
+        ("timings_seconds", |f| {
+            f.timings_seconds = Some(Timings { grow: Some(f64::NAN), ..Timings::default() });
+        }),
     ];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("planes.json");
