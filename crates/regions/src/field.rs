@@ -15,6 +15,8 @@ pub(crate) const LEVELS: u32 = 3;
 pub(crate) const COARSE: usize = 1;
 /// A neighbourhood with fewer points says too little.
 const FEWEST: u64 = 8;
+/// Points that scatter by less than this across their longer direction, in units of the variance of their errors, are a row.
+const ROW: f64 = 2.0;
 
 /// The cells, at several resolutions, and the plane around each group.
 #[derive(Debug)]
@@ -34,8 +36,9 @@ pub(crate) struct Around {
     pub(crate) plane: Flat,
     fit: PlaneFit,
     points: f64,
-    /// Mean variance of the errors along the normal, as stated, in m².
+    /// Mean variance of the errors along the normal and across the longer direction in the plane, as stated, in m².
     stated: f64,
+    stated_across: f64,
 }
 
 impl Field {
@@ -114,7 +117,8 @@ impl Around {
         let fit = terrace_normals::fit_plane(sum).ok()?;
         let points = sum.count() as f64;
         let stated = sum.moments().noise().quadratic_form(fit.normal) / points;
-        Some(Self { plane: Flat::of(&fit), fit, points, stated })
+        let stated_across = sum.moments().noise().quadratic_form(fit.axes[1]) / points;
+        Some(Self { plane: Flat::of(&fit), fit, points, stated, stated_across })
     }
 
     fn variance(&self, noise: Noise) -> f64 {
@@ -131,10 +135,19 @@ impl Around {
         (self.thickness().max(self.variance(noise)) / (self.points * self.fit.variances[1])).sqrt()
     }
 
+    /// Whether the points are a row: what they scatter across it is little more than their errors, so that the plane through them
+    /// turns about the row as those fall. A ring of a lidar is one, a step of a depth image another.
+    pub(crate) fn is_row(&self, noise: Noise) -> bool {
+        let [_, across, _] = self.fit.variances;
+        across <= ROW * (noise.scale * self.stated_across).max(noise.floor)
+    }
+
     /// Whether the points lie as flat as their errors say, give or take what so few of them tell, and not along a line.
     pub(crate) fn is_flat(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> bool {
         let [_, across, along] = self.fit.variances;
         let allowed = chi_squared * (1.0 + 3.0 * (2.0 / self.points).sqrt());
-        self.thickness() <= allowed * self.variance(noise) && across >= narrowest * along
+        self.thickness() <= allowed * self.variance(noise)
+            && across >= narrowest * along
+            && !self.is_row(noise)
     }
 }

@@ -74,9 +74,4 @@ impl Fitted {
     pub(crate) fn points(&self) -> f64 {
         self.sums.count() as f64
     }
-
-    /// Mean squared distance of these points from another plane, in m².
-    pub(crate) fn mean_square(&self, plane: &Flat) -> f64 {
-        Sums::of(self.sums).map_or(f64::INFINITY, |sums| sums.mean_square(plane))
-    }
 }

@@ -1,7 +1,8 @@
 //! Regions grown from the most certain places.
 
+use crate::Step;
 use crate::cell::Noise;
-use crate::field::Field;
+use crate::field::{COARSE, Field};
 use crate::flat::{Fitted, Flat};
 
 /// A seed's points may scatter by this, in units of the variance of their errors.
@@ -44,6 +45,8 @@ pub(crate) struct Growth {
     /// Cells may lie off by so many standard deviations of those that are in the region already; 0 where the errors of
     /// points are all there is, and no surface or sensor is bent.
     pub(crate) spread: f64,
+    /// A step that is left out.
+    pub(crate) without: Option<Step>,
 }
 
 /// A group of cells to begin with.
@@ -70,7 +73,7 @@ pub(crate) fn grow(field: &Field, growth: Growth) -> Vec<Region> {
         clock: 0,
     };
     let mut regions: Vec<Region> = Vec::new();
-    for seed in seeds(field, growth.noise) {
+    for seed in seeds(field, growth) {
         if let Some(region) = growing.region(&seed) {
             for cell in &region.cells {
                 growing.owned[*cell as usize] = true;
@@ -81,9 +84,11 @@ pub(crate) fn grow(field: &Field, growth: Growth) -> Vec<Region> {
     regions
 }
 
-fn seeds(field: &Field, noise: Noise) -> Vec<Seed> {
+fn seeds(field: &Field, growth: Growth) -> Vec<Seed> {
+    let noise = growth.noise;
     let mut seeds: Vec<Seed> = Vec::new();
-    for (level, around) in field.around.iter().enumerate() {
+    let is_used = |level: usize| growth.without != Some(Step::Resolutions) || level == COARSE;
+    for (level, around) in field.around.iter().enumerate().filter(|(level, _)| is_used(*level)) {
         for (group, around) in (0..).zip(around) {
             let flat = around.as_ref().filter(|around| around.is_flat(noise, SEED_CHI_SQUARED, SEED_WIDTH));
             let tilt = flat.map(|around| around.tilt(noise)).filter(|tilt| *tilt <= SEED_TILT);
@@ -115,7 +120,8 @@ impl Growing<'_> {
         let mut plane = field.around[seed.level][seed.group as usize].as_ref()?.plane;
         let (mut before, mut spread) = (0, 0.0);
         let mut found: Option<Region> = None;
-        for _ in 0..ROUNDS {
+        let rounds = if self.growth.without == Some(Step::Refit) { 1 } else { ROUNDS };
+        for _ in 0..rounds {
             let cells = self.flood(seed, &plane, spread);
             if cells.len() < FEWEST_CELLS {
                 return None;
@@ -192,12 +198,15 @@ impl Growth {
         let sums = &field.cells[cell];
         let variance = self.noise.variance(sums, plane.normal);
         let errors = SLACK * (1.0 + SIGNIFICANT * (2.0 / sums.points).sqrt());
-        if sums.mean_square(plane) > variance * (errors + self.spread * self.spread * spread) {
+        let by_offset = self.without != Some(Step::Offsets);
+        if by_offset && sums.mean_square(plane) > variance * (errors + self.spread * self.spread * spread) {
             return false;
         }
-        field.around[0][cell].as_ref().is_none_or(|around| {
-            plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)
-        })
+        self.without == Some(Step::Normals)
+            || field.around[0][cell].as_ref().is_none_or(|around| {
+                around.is_row(self.noise)
+                    || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)
+            })
     }
 }
 
@@ -206,7 +215,7 @@ mod tests {
     use super::*;
     use crate::scene::{NOISE, field, square};
 
-    const STRICT: Growth = Growth { noise: NOISE, spread: 0.0 };
+    const STRICT: Growth = Growth { noise: NOISE, spread: 0.0, without: None };
 
     #[test]
     fn one_square_is_one_region_of_all_cells() {

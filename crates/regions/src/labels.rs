@@ -3,12 +3,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::RegionsError;
 use crate::cell::Noise;
 use crate::ends::{End, Ends};
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::grow::Region;
+use crate::{RegionsError, Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
 const ROUNDS: usize = 4;
@@ -138,7 +138,7 @@ impl Labels {
         noise: Noise,
         regions: &[Region],
         by_cell: &ByCell,
-        reach: f64,
+        settings: &Settings,
         fewest: f64,
     ) -> Self {
         let mut candidates: Vec<Option<Candidate>> =
@@ -150,8 +150,12 @@ impl Labels {
             }
         }
         let planes: Vec<Option<Flat>> = regions.iter().map(|region| Some(region.fitted.plane)).collect();
-        let labelling =
-            Labelling { field, noise, by_cell, reach, ends: Ends::of(field, noise, &region_of, &planes) };
+        let ends = if settings.takes(Step::Ends) {
+            Ends::of(field, noise, &region_of, &planes)
+        } else {
+            Ends::default()
+        };
+        let labelling = Labelling { field, noise, by_cell, settings, ends };
         let first = |(cell, region): (&crate::cell::Sums, &Option<u32>)| OfCell {
             labels: Vec::new(),
             expected: region.iter().map(|region| (*region, cell.points)).collect(),
@@ -159,7 +163,8 @@ impl Labels {
         let mut of_cells: Vec<OfCell> = field.cells.iter().zip(&region_of).map(first).collect();
         for round in 1..=ROUNDS {
             of_cells = labelling.round(&of_cells, &candidates);
-            if round % 2 == 0 {
+            // The last round labels among those that are left.
+            if round < ROUNDS {
                 take_out(&mut candidates, &of_cells, &region_of, fewest);
             }
         }
@@ -217,8 +222,7 @@ struct Labelling<'a> {
     field: &'a Field,
     noise: Noise,
     by_cell: &'a ByCell<'a>,
-    /// In standard errors of a point.
-    reach: f64,
+    settings: &'a Settings,
     ends: Ends,
 }
 
@@ -263,7 +267,7 @@ impl Labelling<'_> {
                 region: *region,
                 normal: normal / sigma,
                 offset: candidate.plane.distance(anchor) / sigma,
-                prior: -2.0 * (points / all).ln(),
+                prior: if self.settings.takes(Step::Shares) { -2.0 * (points / all).ln() } else { 0.0 },
                 ends: ends.collect(),
             })
         };
@@ -279,7 +283,7 @@ impl Labelling<'_> {
                 let errors = near.normal.dot(place) + near.offset;
                 *score = f64::INFINITY;
                 // A place that is not finite is near no plane.
-                if errors.abs() > self.reach || errors.is_nan() {
+                if errors.abs() > self.settings.reach || errors.is_nan() {
                     continue;
                 }
                 let inside: f64 = near.ends.iter().map(|end| end.ln_inside(place)).sum();

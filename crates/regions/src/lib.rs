@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! cells -> planes around them at three resolutions -> seeds, the surest first
-//!       -> regions grown with refit -> neighbours that are one plane joined
+//!       -> regions grown with refit, over what errors and bends allow
 //!       -> labels of points by probability -> parts, areas, bends -> planes
 //! ```
 //!
@@ -74,7 +74,6 @@ mod error;
 mod field;
 mod flat;
 mod grow;
-mod join;
 mod labels;
 mod level;
 mod parts;
@@ -90,7 +89,7 @@ pub use error::RegionsError;
 pub use field::sums_around;
 pub use labels::Points;
 pub use segment::{Region, Segmentation, Share, segment};
-pub use settings::Settings;
+pub use settings::{Settings, Step};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

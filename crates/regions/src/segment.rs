@@ -4,11 +4,10 @@ use crate::bend::Bend;
 use crate::cell::Noise;
 use crate::field::Field;
 use crate::grow::{Growth, Region as Grown, grow};
-use crate::join::join_touching;
 use crate::labels::{ByCell, Labels, Piece, Points};
 use crate::parts::take_apart;
 use crate::surface::Surface;
-use crate::{Cell, RegionsError, Settings};
+use crate::{Cell, RegionsError, Settings, Step};
 
 /// Points are taken to be known no better than to this share of a coarser cell: what is smaller is not looked at as a shape.
 const FLOOR: f64 = 0.05;
@@ -104,18 +103,26 @@ pub fn segment(
     settings.validate()?;
     let field = Field::of(cells, edge)?;
     let by_cell = ByCell::of(points, cells.len())?;
-    let (mut grown, noise) = grow_as_noise_allows(&field, settings.errors_are_stated);
+    let (mut grown, noise) = grow_as_noise_allows(&field, settings);
     let narrowest = NARROWEST * field.coarse_edge();
     grown.retain(|region| {
         let [_, across, _] = region.fitted.fit.variances;
         // A strip of the width w scatters by w² / 12.
-        region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
+        !settings.takes(Step::Certain)
+            || region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
     });
     let fewest = (SHARE_OF_POINTS * by_cell.len() as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
     let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
-    let mut labels = Labels::of(&field, noise, &grown, &by_cell, settings.reach, fewest);
+    let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
+    let mut labels = Labels::of(&field, noise, &grown, &by_cell, settings, fewest);
 
-    let (numbers, from) = take_apart(&field, &labels.pieces, grown.len(), PART * fewest, SHARE_OF_PART);
+    let (numbers, from) = take_apart(
+        &field,
+        &labels.pieces,
+        grown.len(),
+        PART * fewest,
+        if settings.takes(Step::Parts) { SHARE_OF_PART } else { f64::INFINITY },
+    );
     labels.renumber(&by_cell, &numbers);
     let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
     let mut pieces_of: Vec<Vec<Piece>> = vec![Vec::new(); surface_of.len()];
@@ -128,7 +135,9 @@ pub fn segment(
         let looks = Surface::of(&field, fitted, pieces.iter());
         // Errors that are larger than stated do not hide a bend.
         let bend = looks.bend(fitted.variance / noise.scale);
-        let curved = |bend: &Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
+        let curved = |bend: &Bend| {
+            settings.takes(Step::Curved) && bend.turn > settings.turn && bend.significance > SIGNIFICANT
+        };
         if looks.points > 0 {
             found.push((
                 number,
@@ -153,6 +162,7 @@ pub fn segment(
     let all: f64 = found.iter().map(|(_, region)| region.area).sum();
     let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
     let least = settings.min_area.unwrap_or(least);
+    let least = if settings.takes(Step::Size) { least } else { 0.0 };
     found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);
     found.sort_by_key(|(number, region)| (std::cmp::Reverse(region.points), *number));
     let mut rank: Vec<Option<u32>> = vec![None; surface_of.len()];
@@ -178,13 +188,13 @@ pub fn segment(
 /// Stated errors are trusted while planes are as flat as they say. Where they are not, or where errors were found from scatter,
 /// which tells nothing of what neighbouring points share, the cells of a region may scatter by more, and the errors are taken to be
 /// as large as most points then show.
-fn grow_as_noise_allows(field: &Field, stated_errors: bool) -> (Vec<Grown>, Noise) {
+fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Noise) {
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
-    let grow = |noise: Noise, spread: f64| join_touching(field, noise, grow(field, Growth { noise, spread }));
-    if stated_errors {
+    let grow = |noise: Noise, spread: f64| grow(field, Growth { noise, spread, without: settings.leave_out });
+    if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(stated, 0.0);
-        if usual_chi_squared(&strict) <= TRUSTED {
+        if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {
             return (strict, stated);
         }
     }

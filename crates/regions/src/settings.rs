@@ -19,15 +19,74 @@ pub struct Settings {
     /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
     /// cells of the coarser resolution.
     pub min_area: Option<f64>,
+    /// A step that is left out, to find what it is worth.
+    pub leave_out: Option<Step>,
+}
+
+/// A step of the method that can be left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Regions begin at every resolution; without, at that of a coarser cell alone.
+    Resolutions,
+    /// A region grows over cells whose points lie on its plane; without, over cells whose surface is not turned against it.
+    Offsets,
+    /// And whose surface is not turned against it; without, wherever points lie on its plane.
+    Normals,
+    /// Planes are fitted to their sums as they grow; without, that of the seed stays.
+    Refit,
+    /// Errors may be larger than stated, and surfaces bent by as much; without, they are as stated.
+    Bent,
+    /// Labels know how many points around are of each plane.
+    Shares,
+    /// Labels know where planes end at each other.
+    Ends,
+    /// Curved surfaces are no planes.
+    Curved,
+    /// Planes are as certain and as wide as is asked for.
+    Certain,
+    /// Planes that fall into parts are taken apart.
+    Parts,
+    /// Planes have the least size.
+    Size,
+}
+
+impl Step {
+    /// All, in the order in which they come.
+    pub const ALL: [Self; 11] = [
+        Self::Resolutions,
+        Self::Offsets,
+        Self::Normals,
+        Self::Refit,
+        Self::Bent,
+        Self::Shares,
+        Self::Ends,
+        Self::Curved,
+        Self::Certain,
+        Self::Parts,
+        Self::Size,
+    ];
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tilt: 0.01, reach: 3.1, turn: 0.1, errors_are_stated: true, min_points: None, min_area: None }
+        Self {
+            tilt: 0.01,
+            reach: 3.1,
+            turn: 0.1,
+            errors_are_stated: true,
+            min_points: None,
+            leave_out: None,
+            min_area: None,
+        }
     }
 }
 
 impl Settings {
+    /// Whether a step is taken.
+    pub(crate) fn takes(&self, step: Step) -> bool {
+        self.leave_out != Some(step)
+    }
+
     /// # Errors
     /// [`RegionsError::Setting`] for the first setting out of its range.
     pub fn validate(&self) -> Result<(), RegionsError> {

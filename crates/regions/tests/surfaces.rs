@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use scenes::{Scene, Sorted, dot, rectangle};
 use terrace_regions::{Segmentation, Settings, segment, sums_around};
+use terrace_stats::SymmetricMatrix3;
 
 /// Standard error of a point, and an edge of half the cell that it suggests.
 const SIGMA: f64 = 0.01;
@@ -164,6 +165,29 @@ fn rows_with_gaps_are_one_region() {
     let found = scene.cells(EDGE).segment();
     assert_eq!(found.regions.len(), 1);
     assert!(count(&scene, &found, 0, None) < 10);
+}
+
+/// A lidar measures distances: on a wall that it faces, rows of points have errors across the wall alone. The plane through a row is
+/// then any that holds it, and must not speak against the wall.
+#[test]
+fn dense_rows_with_errors_across_the_wall_are_one_region() {
+    for (apart, in_row) in [(0.08, 400), (0.10, 200), (0.10, 800)] {
+        let rows = (2.0_f64 / apart).floor();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
+        let points = rows as usize * in_row;
+        let mut scene = Scene::new(16, 0.0);
+        // What is left of the second number once it has named the row is an even error of the same variance.
+        let off = |v: f64| SIGMA * 12.0_f64.sqrt() * ((v * rows).fract() - 0.5);
+        scene.add(0, points, |u, v| [2.0 * u, apart * (v * rows).floor() + 0.011, 0.017 + off(v)]);
+        let mut sorted = scene.cells(EDGE);
+        for cell in &mut sorted.cells {
+            let errors = SymmetricMatrix3::diagonal([0.0, 0.0, SIGMA * SIGMA]);
+            cell.stats = cell.stats.with_noise(errors * cell.stats.count() as f64);
+        }
+        let found = sorted.segment();
+        assert_eq!(found.regions.len(), 1, "rows of {in_row} points, {apart} m apart");
+        assert!(count(&scene, &found, 0, None) < points / 100, "rows of {in_row} points, {apart} m apart");
+    }
 }
 
 /// Errors are stated 40 % too small, and the table sags by two of them.
