@@ -59,14 +59,14 @@ pub fn write(folder: &Path, entry: &Entry, scene: &Labelled, score: &Score) -> R
     let bounds = Bounds::of(on_planes.filter_map(|(place, _)| *place)).ok_or("no true plane to draw")?;
     let extent = [0, 1, 2].map(|i| bounds.max()[i] - bounds.min()[i]);
     let width = extent.iter().map(|x| x * x).sum::<f64>().sqrt() / STRIPES;
-    let cube = if places.len() < FEW { cube(width / 4.0) } else { vec![[0.0; 3]] };
+    let cube = if places.len() < FEW { cube(width) } else { vec![[0.0; 3]] };
 
     let of = |name| value(&score.measures, name);
     let count = |name| of(name).unwrap_or_default();
     let f1 = of("f1_80").map(|f1| format!(", F1@.8 {f1:.3}")).unwrap_or_default();
     let mut sides = [
-        look.picture(bounds, &format!("{}: {} true planes", entry.name, count("true_planes")))?,
-        look.picture(bounds, &format!("{} found{f1}", count("found_planes")))?,
+        look.picture(bounds, &format!("{}, true planes: {}", entry.name, count("true_planes")))?,
+        look.picture(bounds, &format!("found planes: {}{f1}", count("found_planes")))?,
     ];
     let found = found_paints(scene, score);
     for ((place, truth), label) in places.iter().zip(&scene.truth).zip(&score.found) {
@@ -99,7 +99,7 @@ impl Look {
             (_, "room300k" | "synth-room-3M") => {
                 Self::Around { azimuth: -125.0, elevation: 50.0, ceiling: CEILING }
             }
-            (_, "table") => around(-125.0, -35.0),
+            (_, "table") => around(-125.0, 80.0),
             ("roofs", _) => around(-125.0, 60.0),
             _ => around(-125.0, 35.0),
         }
