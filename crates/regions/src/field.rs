@@ -10,7 +10,7 @@ use crate::level::Level;
 use crate::{Cell, RegionsError};
 
 /// Resolutions: that of the cells, and coarser ones, each with twice the edge of the one before.
-pub(crate) const LEVELS: u32 = 3;
+pub(crate) const LEVELS: u32 = 4;
 /// The level whose groups are as large as noise and spacing suggest for a cell.
 pub(crate) const COARSE: usize = 1;
 /// A neighbourhood with fewer points says too little.

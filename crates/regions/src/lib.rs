@@ -4,7 +4,7 @@
 //! the plane it is of. Every threshold is in standard errors, or follows from the points; nothing has to be tuned.
 //!
 //! ```text
-//! cells -> planes around them at three resolutions -> seeds, the surest first
+//! cells -> planes around them at four resolutions -> seeds, the surest first
 //!       -> regions grown with refit, over what errors and bends allow
 //!       -> labels of points by probability -> parts, areas, bends -> planes
 //! ```

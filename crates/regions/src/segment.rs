@@ -90,7 +90,7 @@ pub struct Segmentation {
 /// Finds the planes of a scene.
 ///
 /// `cells` have an edge of `edge` metres and different keys: half of what noise and spacing suggest for a cell, since regions
-/// are looked for at once, twice and four times that. `points` are those the cells are sums of.
+/// are looked for at once, twice, four and eight times that. `points` are those the cells are sums of.
 ///
 /// # Errors
 /// [`RegionsError`] for cells or points that contradict each other, and settings out of their range.
