@@ -166,14 +166,14 @@ proptest! {
 
     /// By the largest groups of cells: those are where they were.
     #[test]
-    fn blocks_of_four_cells_are_the_same_anywhere(faces in faces(), by in prop::array::uniform3(-500..500_i32)) {
+    fn blocks_of_eight_cells_are_the_same_anywhere(faces in faces(), by in prop::array::uniform3(-500..500_i32)) {
         let sorted = faces.scene().cells(EDGE);
         let found = sorted.segment();
         let mut moved = sorted.clone();
         for cell in &mut moved.cells {
-            let anchor = [0, 1, 2].map(|i| cell.stats.anchor()[i] + 4.0 * EDGE * f64::from(by[i]));
+            let anchor = [0, 1, 2].map(|i| cell.stats.anchor()[i] + 8.0 * EDGE * f64::from(by[i]));
             cell.stats = Stats::from_moments(anchor, *cell.stats.moments());
-            cell.key = [0, 1, 2].map(|i| cell.key[i] + 4 * by[i]);
+            cell.key = [0, 1, 2].map(|i| cell.key[i] + 8 * by[i]);
         }
         let moved = moved.segment();
         prop_assert_eq!(&moved.labels, &found.labels);
