@@ -1,6 +1,6 @@
 //! A room that is scanned over and over by a poor sensor. After each tour of fourteen scans the planes are asked for: points
-//! gather in the cells, the normals of the cells become more certain, and with them the orientation of the planes, down to
-//! what the surfaces themselves differ by where they meet others.
+//! gather in the cells, the normals of the cells become more certain, down to what they differ by where surfaces meet others;
+//! and the standard error of the orientation of planes falls with the root of their points.
 //!
 //! `cargo run --release -p terrace --example growing_room`
 
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let floor = room.planes().iter().find(|p| p.name == "floor").map(|p| p.plane.coefficients());
     let mut mapper = Mapper::new(Params { cell_size: Some(0.15), ..Params::default() })?;
     println!("                                    | the floor:");
-    println!(" scans    points  on planes  planes |   points   s_x    s_y    s_z    rms m");
+    println!(" scans    points  on planes  planes |   points   s_x    s_y    s_z    rms m  tilt mrad");
     for seed in 0..TOURS {
         let tour = terrace_synth::Params { points: Some(POINTS), sigma: Some(SIGMA), seed };
         for scan in room.generate(&tour)?.scans {
@@ -29,6 +29,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let found = floor.and_then(|plane| find(&map, plane));
         if let Some((found, [x, y, z])) = found.and_then(|plane| Some((plane, plane.normal_uncertainty?))) {
             print!(" {:8}  {x:.3}  {y:.3}  {z:.3}  {:.4}", found.points, found.rms);
+            if let Some(estimate) = found.estimate {
+                print!("  {:9.3}", 1e3 * estimate.largest_tilt());
+            }
         }
         println!();
     }

@@ -1,12 +1,19 @@
 //! Planes of 3D scans with the uncertainty of their orientation, from posed scans with point errors.
 //!
-//! Scans go in one at a time ([`Mapper::insert`]); planes come out whenever they are wanted ([`Mapper::extract`]). This
-//! crate composes the others into the method of "An Optimization Approach for 3D Environment Mapping using Normal Vector
-//! Uncertainty":
+//! Scans go in one at a time ([`Mapper::insert`]); planes come out whenever they are wanted ([`Mapper::extract`]). By default
+//! they are regions:
+//!
+//! ```text
+//! Scan -> grid of statistics -> regions grown over cells of half the edge -> a label per point
+//!      -> for each plane the one of least variance, with its covariance
+//! ```
+//!
+//! [`Params::clusters`] is the idea of "An Optimization Approach for 3D Environment Mapping using Normal Vector Uncertainty"
+//! instead, and [`Params::paper`] follows that to the letter:
 //!
 //! ```text
 //! Scan -> grid of statistics -> dense cells -> uncertain normals -> clusters at phi
-//!      -> for each uncertain cluster, the phi of least cost -> planes, a label per point
+//!      -> for each uncertain cluster, the phi of least cost -> planes, a label per cell
 //! ```
 //!
 //! ```

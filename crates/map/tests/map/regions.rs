@@ -3,7 +3,8 @@
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use terrace::{
-    Assignment, Estimate, Join, Mapper, Params, PlaneMap, Regions, Scan, Sigma, Weighting, choose_cell_size,
+    Assignment, Estimate, Join, Mapper, Params, PlaneId, PlaneMap, Regions, Scan, Sigma, Weighting,
+    choose_cell_size,
 };
 use terrace_synth::Scene;
 
@@ -54,7 +55,7 @@ fn agreement(a: &PlaneMap, b: &PlaneMap) -> f64 {
     let mut shared = vec![vec![0_u64; b.planes.len() + 1]; a.planes.len()];
     for (one, other) in a.labels.iter().zip(&b.labels) {
         if let Some(one) = one {
-            shared[one.index()][other.map_or(b.planes.len(), |id| id.index())] += 1;
+            shared[one.index()][other.map_or(b.planes.len(), PlaneId::index)] += 1;
         }
     }
     let most: u64 = shared.iter().map(|of| of[..b.planes.len()].iter().copied().max().unwrap_or(0)).sum();
@@ -101,7 +102,7 @@ fn a_door_recessed_by_a_few_standard_errors_is_apart() {
         let found = map(tenth(Params::default), &[&scan]);
         check_sound(&found);
         assert_eq!(found.planes.len(), 2);
-        let right = |(point, label): &(&[f64; 3], &Option<terrace::PlaneId>)| {
+        let right = |(point, label): &(&[f64; 3], &Option<PlaneId>)| {
             label.is_some_and(|id| id.index() == usize::from(is_door(point)))
         };
         let right = points.iter().zip(&found.labels).filter(right).count();
