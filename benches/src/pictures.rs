@@ -14,11 +14,11 @@ use crate::scenes::SceneError;
 use crate::{Score, value};
 
 /// Edges of each of the two views, in pixels.
-const SIZE: (usize, usize) = (600, 480);
+const SIZE: (usize, usize) = (500, 400);
 /// Full angle of view in degrees of what is not seen by a camera.
 const ANGLE: f64 = 50.0;
-/// Rooms are looked into from above: their ceilings, higher than this in metres, are cut away.
-const CEILING: f64 = 2.5;
+/// Rooms are looked into from above and from below: without what is higher, then without what is lower, in metres.
+const ROOM: [f64; 2] = [0.2, 2.5];
 /// Fewer points than these are drawn as small cubes, for their surfaces cannot be closed.
 const FEW: usize = 5_000;
 /// Points of no plane.
@@ -41,8 +41,8 @@ struct Paint {
 enum Look {
     /// From the sensor, with these places of the axes right, down and forward, and their signs.
     Sensor([(usize, f64); 3]),
-    /// From this azimuth and elevation, in degrees; up is z.
-    Around { azimuth: f64, elevation: f64, ceiling: f64 },
+    /// From this azimuth and elevation, in degrees, what lies between two heights; up is z.
+    Around { azimuth: f64, elevation: f64, heights: [f64; 2] },
 }
 
 /// Writes `NAME.png`: the points by their true planes, and beside it by those found. What was found has the colour of the
@@ -51,7 +51,16 @@ enum Look {
 /// # Errors
 /// When no point is on a true plane, or the file cannot be written.
 pub fn write(folder: &Path, entry: &Entry, scene: &Labelled, score: &Score) -> Result<(), SceneError> {
-    let look = Look::at(entry);
+    let looks = Look::at(entry);
+    let views =
+        looks.into_iter().map(|look| sides(look, entry, scene, score)).collect::<Result<Vec<_>, _>>()?;
+    let sheet = Image::tiled(views.as_flattened(), 2)?;
+    fs::create_dir_all(folder)?;
+    Ok(fs::write(folder.join(format!("{}.png", entry.name)), sheet.png()?)?)
+}
+
+/// By truth, and by what was found.
+fn sides(look: Look, entry: &Entry, scene: &Labelled, score: &Score) -> Result<[Image; 2], SceneError> {
     let places: Vec<Option<[f64; 3]>> =
         scene.scans.iter().flat_map(Scan::world_points).map(|point| look.seen(point?.position)).collect();
     // What the planes span: single outliers must not shrink the picture.
@@ -81,31 +90,31 @@ pub fn write(folder: &Path, entry: &Entry, scene: &Labelled, score: &Score) -> R
             }
         }
     }
-    fs::create_dir_all(folder)?;
-    let both = Image::beside(&sides[0].image(), &sides[1].image())?;
-    Ok(fs::write(folder.join(format!("{}.png", entry.name)), both.png()?)?)
+    Ok(sides.map(|side| side.image()))
 }
 
 impl Look {
-    fn at(entry: &Entry) -> Self {
-        let around = |azimuth, elevation| Self::Around { azimuth, elevation, ceiling: f64::INFINITY };
+    fn at(entry: &Entry) -> Vec<Self> {
+        let around = |azimuth, elevation, heights| Self::Around { azimuth, elevation, heights };
+        let all = [-f64::INFINITY, f64::INFINITY];
         match (entry.group, entry.name.as_str()) {
             ("roomframe" | "mosd-boxes" | "mosd-bare" | "nyuv2_planes", _) => {
-                Self::Sensor([(0, 1.0), (1, 1.0), (2, 1.0)])
+                vec![Self::Sensor([(0, 1.0), (1, 1.0), (2, 1.0)])]
             }
             // This camera has y upwards.
-            ("evops_icl", _) => Self::Sensor([(0, 1.0), (1, -1.0), (2, 1.0)]),
-            ("synpeb", _) => Self::Sensor([(1, -1.0), (2, -1.0), (0, 1.0)]),
+            ("evops_icl", _) => vec![Self::Sensor([(0, 1.0), (1, -1.0), (2, 1.0)])],
+            ("synpeb", _) => vec![Self::Sensor([(1, -1.0), (2, -1.0), (0, 1.0)])],
             (_, "room300k" | "synth-room-3M") => {
-                Self::Around { azimuth: -125.0, elevation: 50.0, ceiling: CEILING }
+                vec![around(-125.0, 50.0, [all[0], ROOM[1]]), around(-125.0, -50.0, [ROOM[0], all[1]])]
             }
-            (_, "table") => around(-125.0, 80.0),
-            ("roofs", _) => around(-125.0, 60.0),
-            _ => around(-125.0, 35.0),
+            // All three planes are seen from there.
+            (_, "table") => vec![around(-107.0, 11.0, all)],
+            ("roofs", _) => vec![around(-125.0, 60.0, all)],
+            _ => vec![around(-125.0, 35.0, all)],
         }
     }
 
-    /// Where a point is drawn; nowhere when it lies behind the sensor.
+    /// Where a point is drawn; nowhere when it lies behind the sensor, or is cut away.
     ///
     /// The logarithm of depth makes this keep small angles along the axis of the sensor, and with them light and shade.
     fn seen(self, place: [f64; 3]) -> Option<[f64; 3]> {
@@ -114,7 +123,7 @@ impl Look {
                 let [right, down, forward] = axes.map(|(axis, sign)| sign * place[axis]);
                 (forward > 0.0).then(|| [right / forward, down / forward, forward.ln()])
             }
-            Self::Around { .. } => Some(place),
+            Self::Around { heights: [low, high], .. } => (low..=high).contains(&place[2]).then_some(place),
         }
     }
 
@@ -123,9 +132,8 @@ impl Look {
         let picture = |view| Ok(CloudPicture::new(SIZE.0, SIZE.1, view, bounds)?.with_title(title));
         match self {
             Self::Sensor(_) => picture(View::from_degrees(-90.0, 0.0)?.with_up([0.0, -1.0, 0.0])?),
-            Self::Around { azimuth, elevation, ceiling } => {
-                let view = View::from_degrees(azimuth, elevation)?.with_perspective_degrees(ANGLE)?;
-                Ok(picture(view)?.with_cut_above(ceiling))
+            Self::Around { azimuth, elevation, .. } => {
+                picture(View::from_degrees(azimuth, elevation)?.with_perspective_degrees(ANGLE)?)
             }
         }
     }
