@@ -159,7 +159,8 @@ pub fn segment(
             }
         }
     }
-    let all: f64 = found.iter().map(|(_, region)| region.area).sum();
+    // From 0: the sum of no floating-point numbers is −0.
+    let all = found.iter().fold(0.0, |sum, (_, region)| sum + region.area);
     let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
     let least = settings.min_area.unwrap_or(least);
     let least = if settings.takes(Step::Size) { least } else { 0.0 };

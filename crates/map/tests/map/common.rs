@@ -156,8 +156,9 @@ pub fn check_sound(map: &PlaneMap) {
     assert!(counts.clustered <= counts.dense && counts.dense <= counts.occupied);
     assert_eq!(counts.dense, map.cells.len());
     assert_eq!(map.used.grown.is_some(), map.used.params.regions.is_some() && by_place(&map.used.params));
-    if map.used.grown.is_some() {
+    if let Some(grown) = map.used.grown {
         assert!(map.optimised.is_empty() && counts.clustered == 0);
+        assert!(grown.noise_scale >= 1.0 && grown.min_area.is_finite() && grown.min_area.is_sign_positive());
     }
 }
 
@@ -170,7 +171,6 @@ fn check_grown(plane: &ExtractedPlane, grown: &Grown) {
     assert_eq!((plane.phi, plane.phi_interval), (None, None));
     assert!(plane.points as f64 >= grown.min_points);
     assert!(plane.cells > 0 || plane.normal_uncertainty.is_none());
-    assert!(grown.noise_scale >= 1.0 && grown.min_area >= 0.0);
 }
 
 fn check_clustered(plane: &ExtractedPlane, cells: &[&LabelledCell]) {
