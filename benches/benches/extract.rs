@@ -15,7 +15,8 @@ use terrace_synth::Scene;
 const RUNS: usize = 3;
 const ROOM: &str = "scenes/room300k/points.npy";
 const INPUTS: [&str; 3] = ["room300k", "synth:300000", "synth:3000000"];
-const STAGES: [&str; 6] = ["load", "grid", "normals", "cluster", "optimise", "label"];
+const PRESETS: [&str; 2] = ["default", "clusters"];
+const STAGES: [&str; 6] = ["load", "grid", "normals", "grow or cluster", "optimise", "label"];
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -43,20 +44,20 @@ type Row = [f64; STAGES.len() + 4];
 
 fn table() -> Outcome<()> {
     println!(
-        "| input | points | threads | {} | all but load | points per CPU second | input MiB | peak MiB | planes |",
+        "| input | preset | points | threads | {} | all but load | points per CPU second | input MiB | peak MiB | planes |",
         STAGES.join(" | ")
     );
-    println!("|{}", "---|".repeat(STAGES.len() + 8));
+    println!("|{}", "---|".repeat(STAGES.len() + 9));
     for input in INPUTS {
         if input == "room300k" && scenes::path(ROOM).is_none() {
             println!();
             println!("{input} is left out: no such file in the data folder, set TERRACE_DATA");
             continue;
         }
-        for threads in ["1", "2"] {
-            let mut rows = (0..RUNS).map(|_| run(input, threads)).collect::<Outcome<Vec<Row>>>()?;
+        for (preset, threads) in PRESETS.into_iter().flat_map(|preset| [(preset, "1"), (preset, "2")]) {
+            let mut rows = (0..RUNS).map(|_| run(input, preset, threads)).collect::<Outcome<Vec<Row>>>()?;
             rows.sort_by(|a, b| work(a).total_cmp(&work(b)));
-            print_row(input, threads, &rows[RUNS / 2]);
+            print_row(input, preset, threads, &rows[RUNS / 2]);
         }
     }
     Ok(())
@@ -67,45 +68,47 @@ fn work(row: &Row) -> f64 {
     row[1..STAGES.len()].iter().sum()
 }
 
-fn print_row(input: &str, threads: &str, row: &Row) {
+fn print_row(input: &str, preset: &str, threads: &str, row: &Row) {
     let [points, planes, held, peak] = [0, 1, 2, 3].map(|i| row[STAGES.len() + i]);
     let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{s:.3}")).collect();
     println!(
-        "| {input} | {points} | {threads} | {} | {:.3} | {:.2e} | {held:.0} | {peak:.0} | {planes} |",
+        "| {input} | {preset} | {points} | {threads} | {} | {:.3} | {:.2e} | {held:.0} | {peak:.0} | {planes} |",
         stages.join(" | "),
         work(row),
         points / work(row)
     );
 }
 
-fn run(input: &str, threads: &str) -> Outcome<Row> {
+fn run(input: &str, preset: &str, threads: &str) -> Outcome<Row> {
     let child = Command::new(std::env::current_exe()?)
-        .args(["--case", input, threads])
+        .args(["--case", input, preset, threads])
         .stderr(Stdio::inherit())
         .output()?;
     let text = String::from_utf8(child.stdout)?;
     let numbers = text.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
-    Row::try_from(numbers).map_err(|_| format!("the case {input} on {threads} threads failed").into())
+    Row::try_from(numbers)
+        .map_err(|_| format!("the case {input}, {preset}, on {threads} threads failed").into())
 }
 
 /// One case, in a process of its own: prints its row as numbers.
 fn case(args: &[String]) -> Outcome<()> {
-    let [input, threads] = args else { return Err("--case INPUT THREADS".into()) };
+    let [input, preset, threads] = args else { return Err("--case INPUT PRESET THREADS".into()) };
+    let params = if preset == "clusters" { Params::clusters() } else { Params::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?).build()?;
     let scans = load(input)?;
     let loaded = Usage::now()?;
 
-    let mut mapper = Mapper::new(Params::default())?;
+    let mut mapper = Mapper::new(params)?;
     for scan in &scans {
         mapper.insert(scan)?;
     }
-    let mut marks = vec![Usage::now()?];
+    let gridded = Usage::now()?;
+    // From the last scan to the first stage nothing but the threads is made ready.
+    let mut begun = vec![(2, gridded.cpu)];
     let mut failed = None;
     let map = pool.install(|| {
         mapper.extract_observed(|stage| match Usage::now() {
-            // From the last scan to the first stage nothing but the threads is made ready.
-            Ok(now) if !matches!(stage, Stage::Normals { .. }) => marks.push(now),
-            Ok(_) => {}
+            Ok(now) => begun.push((column(stage), now.cpu)),
             Err(error) => failed = Some(error),
         })
     })?;
@@ -113,13 +116,26 @@ fn case(args: &[String]) -> Outcome<()> {
         return Err(error.into());
     }
     let end = Usage::now()?;
-    marks.push(end);
+    begun.push((STAGES.len(), end.cpu));
 
-    let mut row = vec![loaded.cpu, marks[0].cpu - loaded.cpu];
-    row.extend(marks.windows(2).map(|pair| pair[1].cpu - pair[0].cpu));
+    let mut row = vec![0.0; STAGES.len()];
+    (row[0], row[1]) = (loaded.cpu, gridded.cpu - loaded.cpu);
+    for pair in begun.windows(2) {
+        row[pair[0].0] += pair[1].1 - pair[0].1;
+    }
     row.extend([mapper.len() as f64, map.planes.len() as f64, loaded.resident, end.peak]);
     println!("{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
     Ok(())
+}
+
+/// The place of a stage among [`STAGES`].
+fn column(stage: Stage) -> usize {
+    match stage {
+        Stage::Normals { .. } => 2,
+        Stage::Grow { .. } | Stage::Cluster { .. } => 3,
+        Stage::Optimise { .. } => 4,
+        Stage::Label { .. } => 5,
+    }
 }
 
 fn load(input: &str) -> Outcome<Vec<Scan>> {

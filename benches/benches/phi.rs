@@ -53,10 +53,10 @@ fn table(folder: Option<&Path>) -> Outcome<()> {
     );
     println!("|{}", "---|".repeat(14));
     for (name, params, scans) in [
-        ("scenes/table", Params::default(), scenes::npy("scenes/table/points.npy")?),
-        ("scenes/room300k", Params::default(), scenes::npy("scenes/room300k/points.npy")?),
-        ("sevenscenes, frame 0", Params::default(), scenes::sevenscenes(0..1)?),
-        ("sevenscenes, frame 500", Params::default(), scenes::sevenscenes(50..51)?),
+        ("scenes/table", Params::clusters(), scenes::npy("scenes/table/points.npy")?),
+        ("scenes/room300k", Params::clusters(), scenes::npy("scenes/room300k/points.npy")?),
+        ("sevenscenes, frame 0", Params::clusters(), scenes::sevenscenes(0..1)?),
+        ("sevenscenes, frame 500", Params::clusters(), scenes::sevenscenes(50..51)?),
         ("sevenscenes, 100 frames, paper", paper(), scenes::sevenscenes(0..100)?),
     ] {
         if scans.is_empty() {
