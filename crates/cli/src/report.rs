@@ -133,6 +133,7 @@ fn regions(asked: &Regions, used: &Grown) -> Value {
         "tilt": asked.tilt,
         "reach": asked.reach,
         "turn": asked.turn,
+        "errors_are_complete": asked.errors_are_complete,
         "min_points": used.min_points,
         "min_area": used.min_area,
         "noise_scale": used.noise_scale,

@@ -103,6 +103,9 @@ pub struct Regions {
     pub min_area: Option<f64>,
     /// Which regions are one plane.
     pub join: Join,
+    /// Whether stated errors are all that moves points while planes are as flat as they say. Models of sensors know nothing of
+    /// distortion, which neighbouring points share: with them, say `false`, and surfaces may be bent by a few errors.
+    pub errors_are_complete: bool,
     /// A step that is left out, to find what it is worth.
     pub leave_out: Option<Step>,
 }
@@ -129,7 +132,16 @@ impl Default for Regions {
     fn default() -> Self {
         let terrace_regions::Settings { tilt, reach, turn, min_points, min_area, .. } =
             terrace_regions::Settings::default();
-        Self { tilt, reach, turn, min_points, min_area, join: Join::default(), leave_out: None }
+        Self {
+            tilt,
+            reach,
+            turn,
+            min_points,
+            min_area,
+            join: Join::default(),
+            errors_are_complete: true,
+            leave_out: None,
+        }
     }
 }
 

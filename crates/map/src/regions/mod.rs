@@ -45,7 +45,7 @@ impl Mapper {
             &cells,
             0.5 * grid.cell_size(),
             subcells.points(),
-            &settings.settings(nodes.know_errors()),
+            &settings.settings(nodes.know_errors() && settings.errors_are_complete),
         )?;
 
         begins(Stage::Label { points: self.len() });

@@ -97,6 +97,8 @@ fn params(args: &ExtractArgs) -> Result<Params, CliError> {
             regions.min_area = args.min_area.or(regions.min_area);
             regions.tilt = args.max_tilt.unwrap_or(regions.tilt);
             regions.reach = args.reach.unwrap_or(regions.reach);
+            // The model of a sensor leaves out its distortion.
+            regions.errors_are_complete = args.read.sensor.is_none();
         }
         (None, None, _) => {}
     }
