@@ -22,8 +22,8 @@ use crate::{
 use coplanar::joined;
 use subcells::Subcells;
 
-/// A cell is of a plane when that share of its points is.
-const MOSTLY: f64 = 0.5;
+/// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
+const MOSTLY: f64 = 0.9;
 
 impl Mapper {
     /// The planes as regions.
