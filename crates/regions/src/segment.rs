@@ -3,6 +3,7 @@
 use crate::bend::Bend;
 use crate::cell::Noise;
 use crate::field::Field;
+use crate::flat::Fitted;
 use crate::grow::{Growth, Region as Grown, grow};
 use crate::labels::{ByCell, Labels, Piece, Points};
 use crate::parts::take_apart;
@@ -129,36 +130,15 @@ pub fn segment(
     for piece in &labels.pieces {
         pieces_of[piece.region as usize].push(*piece);
     }
-    let mut found: Vec<(u32, Region)> = Vec::new();
-    for ((number, surface), pieces) in (0..).zip(&surface_of).zip(&pieces_of) {
-        let fitted = &grown[*surface as usize].fitted;
-        let looks = Surface::of(&field, fitted, pieces.iter());
-        // Errors that are larger than stated do not hide a bend.
-        let bend = looks.bend(fitted.variance / noise.scale);
-        let curved = |bend: &Bend| {
-            settings.takes(Step::Curved) && bend.turn > settings.turn && bend.significance > SIGNIFICANT
-        };
-        if looks.points > 0 {
-            found.push((
-                number,
-                Region {
-                    normal: fitted.plane.normal.to_array(),
-                    point: fitted.plane.point.to_array(),
-                    points: looks.points,
-                    centroid: looks.centroid.to_array(),
-                    rms: looks.rms,
-                    area: looks.area,
-                    reduced_chi_squared: fitted.reduced_chi_squared,
-                    tilt: fitted.tilt,
-                    bend,
-                    surface: *surface,
-                },
-            ));
-            if bend.as_ref().is_some_and(curved) {
-                found.pop();
-            }
-        }
-    }
+    let looks_flat = |region: &Region| {
+        let curved = |bend: Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
+        !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
+    };
+    let region = |((number, surface), pieces): ((u32, &u32), &Vec<Piece>)| {
+        let region = Region::of(&field, noise, &grown[*surface as usize].fitted, *surface, pieces)?;
+        looks_flat(&region).then_some((number, region))
+    };
+    let mut found: Vec<(u32, Region)> = (0..).zip(&surface_of).zip(&pieces_of).filter_map(region).collect();
     // From 0: the sum of no floating-point numbers is −0.
     let all = found.iter().fold(0.0, |sum, (_, region)| sum + region.area);
     let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
@@ -182,6 +162,26 @@ pub fn segment(
         min_points: fewest,
         min_area: least,
     })
+}
+
+impl Region {
+    /// What the labelled points of a grown region look like; `None` without any.
+    fn of(field: &Field, noise: Noise, fitted: &Fitted, surface: u32, pieces: &[Piece]) -> Option<Self> {
+        let looks = Surface::of(field, fitted, pieces.iter());
+        (looks.points > 0).then(|| Self {
+            normal: fitted.plane.normal.to_array(),
+            point: fitted.plane.point.to_array(),
+            points: looks.points,
+            centroid: looks.centroid.to_array(),
+            rms: looks.rms,
+            area: looks.area,
+            reduced_chi_squared: fitted.reduced_chi_squared,
+            tilt: fitted.tilt,
+            // Errors that are larger than stated do not hide a bend.
+            bend: looks.bend(fitted.variance / noise.scale),
+            surface,
+        })
+    }
 }
 
 /// The regions, and the errors that explain them.
