@@ -5,9 +5,8 @@ use crate::cell::Noise;
 use crate::field::{COARSE, Field};
 use crate::flat::{Fitted, Flat};
 
-/// A seed's points may scatter by this, in units of the variance of their errors: where those are all there is, and where surfaces may
-/// be bent. The plane that is laid over a step of three errors scatters by 1.6.
-const SEED_CHI_SQUARED: [f64; 2] = [1.3, 2.0];
+/// A seed's points may scatter by this, in units of the variance of their errors.
+const SEED_CHI_SQUARED: f64 = 2.0;
 /// A seed's orientation is known to this, in radians.
 const SEED_TILT: f64 = 0.05;
 /// A seed's points scatter across their longer direction by this share of the variance along it.
@@ -87,12 +86,11 @@ pub(crate) fn grow(field: &Field, growth: Growth) -> Vec<Region> {
 
 fn seeds(field: &Field, growth: Growth) -> Vec<Seed> {
     let noise = growth.noise;
-    let chi_squared = SEED_CHI_SQUARED[usize::from(growth.spread > 0.0)];
     let mut seeds: Vec<Seed> = Vec::new();
     let is_used = |level: usize| growth.without != Some(Step::Resolutions) || level == COARSE;
     for (level, around) in field.around.iter().enumerate().filter(|(level, _)| is_used(*level)) {
         for (group, around) in (0..).zip(around) {
-            let flat = around.as_ref().filter(|around| around.is_flat(noise, chi_squared, SEED_WIDTH));
+            let flat = around.as_ref().filter(|around| around.is_flat(noise, SEED_CHI_SQUARED, SEED_WIDTH));
             let tilt = flat.map(|around| around.tilt(noise)).filter(|tilt| *tilt <= SEED_TILT);
             seeds.extend(tilt.map(|tilt| Seed { tilt, level, group }));
         }

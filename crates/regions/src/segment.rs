@@ -14,7 +14,7 @@ use crate::{Cell, RegionsError, Settings, Step};
 const FLOOR: f64 = 0.05;
 /// Where planes scatter by more than this, in units of the variance of errors, errors are not all there is: surfaces or sensors are
 /// bent.
-const TRUSTED: f64 = 1.2;
+const TRUSTED: f64 = 1.05;
 /// Cells may then lie off by so many standard deviations of the others of their region.
 const SPREAD: f64 = 3.0;
 /// Errors are taken for larger than stated by this at most, as a variance.

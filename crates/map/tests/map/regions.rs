@@ -112,21 +112,6 @@ fn a_door_recessed_by_a_few_standard_errors_is_apart() {
     }
 }
 
-/// A part of the floor lies a few standard errors lower, as a step of a depth sensor would have it: a plane of its own where the errors
-/// are all there is, none where they leave out what neighbouring points share.
-#[test]
-fn a_step_of_a_few_errors_is_the_sensors_own_where_errors_are_not_complete() {
-    let points: Vec<[f64; 3]> = patch((0.0, 4.0), (0.0, 2.5), 0.0, 3)
-        .into_iter()
-        .map(|[x, y, z]| [x, y, if x < 0.8 { z - 3.0 * SIGMA } else { z }])
-        .collect();
-    for complete in [true, false] {
-        let params = with_regions(|regions| regions.errors_are_complete = complete);
-        let found = map(params, &[&stated(&points)]);
-        assert_eq!(found.planes.len(), if complete { 2 } else { 1 });
-    }
-}
-
 #[test]
 fn a_sphere_with_noise_is_no_plane() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
