@@ -1,6 +1,6 @@
 //! What each step of the method is worth: the scores without it.
 
-use terrace::{Params, Regions, Step};
+use terrace::{Params, RegionStep, Regions};
 
 use crate::labelled::Labelled;
 use crate::scenes::SceneError;
@@ -9,7 +9,7 @@ use crate::{Score, value};
 /// F1 at 0.8 and weighted cover, as they are and without each step.
 #[derive(Debug, Clone)]
 pub struct Ablation {
-    /// F1 and cover with all steps, then without each of [`Step::ALL`].
+    /// F1 and cover with all steps, then without each of [`RegionStep::ALL`].
     pub scores: Vec<[Option<f64>; 2]>,
 }
 
@@ -19,7 +19,7 @@ impl Ablation {
     /// # Errors
     /// When an extraction fails.
     pub fn of(scene: &Labelled) -> Result<Self, SceneError> {
-        let without = std::iter::once(None).chain(Step::ALL.map(Some));
+        let without = std::iter::once(None).chain(RegionStep::ALL.map(Some));
         let score = |leave_out| {
             let regions = Some(Regions { leave_out, ..Regions::default() });
             let measures = Score::of(scene, Params { regions, ..Params::default() })?.measures;
@@ -40,8 +40,8 @@ impl Ablation {
 
     /// The heading of the table.
     pub fn heading() -> String {
-        let steps: Vec<String> = Step::ALL.iter().map(|step| format!("no {step:?}").to_lowercase()).collect();
-        format!("| scene | all steps | {} |\n|---|---|{}", steps.join(" | "), "---|".repeat(Step::ALL.len()))
+        let steps: Vec<String> = RegionStep::ALL.iter().map(|step| format!("no {step:?}").to_lowercase()).collect();
+        format!("| scene | all steps | {} |\n|---|---|{}", steps.join(" | "), "---|".repeat(RegionStep::ALL.len()))
     }
 
     /// A row: F1 and cover with all steps, then how far both fall without each; empty where neither changes by a thousandth.

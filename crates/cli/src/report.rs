@@ -28,7 +28,7 @@ pub fn planes_file(
             labelled: summary.labelled as u64,
             planes: summary.planes as u64,
             normal_uncertainty_mean: summary.normal_uncertainty_mean,
-            optimised: map.used.params.optimise.map(|_| optimised(map)),
+            optimised: map.used.params.optimise.filter(|_| map.used.grown.is_none()).map(|_| optimised(map)),
         }),
         timings_seconds: Some(timings),
     }
@@ -61,7 +61,9 @@ pub fn tilt_offset(estimate: &PlaneEstimate) -> TiltOffset {
 fn parameters(map: &PlaneMap) -> Map<String, Value> {
     let used = &map.used;
     let p = &used.params;
-    let optimise = p.optimise.map_or(Value::Null, |o| {
+    // What clusters are made with means nothing where regions are grown.
+    let clusters = used.grown.is_none();
+    let optimise = p.optimise.filter(|_| clusters).map_or(Value::Null, |o| {
         json!({
             "above": o.above,
             "cost": match o.form { CostForm::Sum => "sum", CostForm::Share => "share" },
@@ -76,8 +78,8 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
         ("cell_size_from", chosen),
         ("tau", json!(used.tau)),
         // JSON has no infinity: an omega that excludes nothing is null.
-        ("omega", json!(p.omega.is_finite().then_some(p.omega))),
-        ("phi", json!(p.phi)),
+        ("omega", json!((clusters && p.omega.is_finite()).then_some(p.omega))),
+        ("phi", json!(clusters.then_some(p.phi))),
         ("depth", json!(p.depth)),
         ("connectivity", json!(p.connectivity.neighbours())),
         (
@@ -101,16 +103,16 @@ fn parameters(map: &PlaneMap) -> Map<String, Value> {
                 FitTo::Points => "points",
             }),
         ),
-        ("seeds", json!(if p.random_seeds { "random" } else { "most_certain" })),
+        ("seeds", json!(clusters.then_some(if p.random_seeds { "random" } else { "most_certain" }))),
         ("optimise", optimise),
         ("regions", json!(p.regions.zip(used.grown).map(|(asked, used)| regions(&asked, &used)))),
         ("estimate", json!(p.estimate.map(|estimate| json!({ "floor": estimate.floor })))),
         ("noise_found", json!(map.noise.as_ref().map(noise))),
-        ("min_cells", json!(p.min_cells)),
+        ("min_cells", json!(clusters.then_some(p.min_cells))),
         ("seed", json!(p.seed)),
         ("cells_occupied", json!(map.cell_counts.occupied)),
         ("cells_dense", json!(map.cell_counts.dense)),
-        ("cells_clustered", json!(map.cell_counts.clustered)),
+        ("cells_clustered", json!(clusters.then_some(map.cell_counts.clustered))),
     ];
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -5,7 +5,7 @@ use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
-use crate::estimate::estimate_planes;
+use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::face_sensors;
 use crate::first::First;
 use crate::nodes::Nodes;
@@ -75,8 +75,10 @@ impl Mapper {
         for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
             plane_of_cell[cell.index()] = *plane;
         }
-        let estimated = self.params().estimate.and_then(|_| {
-            estimate_planes(&mut planes, self, grid, &nodes, &plane_of_cell, &plane_of_node, used.tau)
+        let estimated = self.params().estimate.filter(|_| self.params().by_place()).map(|settings| {
+            let errors = Errors::of(self, &nodes, settings.floor);
+            let cells = Owned { grid, nodes: &nodes, plane_of_cell: &plane_of_cell, tau: used.tau, errors };
+            estimate_planes(&mut planes, cells, &plane_of_node)
         });
         let labels: Vec<_> =
             self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();

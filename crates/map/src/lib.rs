@@ -88,7 +88,7 @@ pub use terrace_grid::{Assignment, CellId, Connectivity, VoxelKey};
 pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
 pub use terrace_normals::{PlaneFit, UncertainNormal};
-pub use terrace_regions::Step;
+pub use terrace_regions::Step as RegionStep;
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 
 /// The examples of the README are tests.

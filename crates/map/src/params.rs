@@ -116,7 +116,8 @@ pub enum Join {
     /// Those that touch and go on without a step.
     #[default]
     Touching,
-    /// Also those that are the same within their covariances, wherever they are.
+    /// Also those that are the same within their covariances, wherever they are. Planes are then those of least variance, whether or not
+    /// covariances are to be told.
     Coplanar,
 }
 

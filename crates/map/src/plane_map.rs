@@ -11,8 +11,8 @@ pub struct ExtractedPlane {
     /// Its number, from 1: planes are sorted by their points, the largest first.
     pub id: PlaneId,
     /// The plane: that of [`estimate`](Self::estimate) where there is one, else that of least squares through all points of
-    /// its cells. The normal points to the side from which most of them were seen, or, when no sensor position is known, has
-    /// a positive largest component.
+    /// its cells; for a region those over which it was grown. The normal points to the side from which most of them were seen, or,
+    /// when no sensor position is known, has a positive largest component.
     pub plane: Plane,
     /// Mean of the points, in metres.
     pub centroid: [f64; 3],
@@ -26,7 +26,7 @@ pub struct ExtractedPlane {
     pub points: u64,
     /// Number of cells.
     pub cells: usize,
-    /// Root mean square distance of its points from their plane of least squares, in metres.
+    /// Root mean square distance of its points from the plane of least squares, in metres.
     pub rms: f64,
     /// The threshold φ at which it was found; `None` where planes are regions.
     pub phi: Option<f64>,

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::cell::{Noise, Sums};
 use crate::field::{COARSE, Field};
 use crate::flat::Flat;
+use crate::grow::Region;
 
 /// A plane ends at another when this share of its points near it lies on one side.
 const ONE_SIDED: f64 = 0.95;
@@ -26,25 +27,23 @@ impl Ends {
         field: &Field,
         noise: Noise,
         region_of: &[Option<u32>],
-        planes: &[Option<Flat>],
+        regions: &[Region],
     ) -> Self {
-        let plane = |region: u32| planes.get(region as usize).copied().flatten();
-        let known = |cell: u32| region_of[cell as usize].filter(|region| plane(*region).is_some());
         let level = &field.levels[COARSE];
         let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
         let mut here: Vec<u32> = Vec::new();
         for group in 0..level.len() {
             here.clear();
-            here.extend(level.around(group).filter_map(known));
+            here.extend(level.around(group).filter_map(|cell| region_of[cell as usize]));
             here.sort_unstable();
             here.dedup();
             if here.len() < 2 {
                 continue;
             }
             for cell in level.cells(group) {
-                let (Some(own), sums) = (known(*cell), &field.cells[*cell as usize]) else { continue };
+                let (Some(own), sums) = (region_of[*cell as usize], &field.cells[*cell as usize]) else { continue };
                 for other in here.iter().filter(|other| **other != own) {
-                    let Some(plane) = plane(*other) else { continue };
+                    let plane = &regions[*other as usize].fitted.plane;
                     let off = plane.distance(sums.mean);
                     if off * off > noise.variance(sums, plane.normal) {
                         sides.entry((own, *other)).or_default()[usize::from(off > 0.0)] += sums.points;

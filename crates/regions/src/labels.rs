@@ -149,9 +149,8 @@ impl Labels {
                 region_of[*cell as usize] = Some(number);
             }
         }
-        let planes: Vec<Option<Flat>> = regions.iter().map(|region| Some(region.fitted.plane)).collect();
         let ends = if settings.takes(Step::Ends) {
-            Ends::of(field, noise, &region_of, &planes)
+            Ends::of(field, noise, &region_of, regions)
         } else {
             Ends::default()
         };

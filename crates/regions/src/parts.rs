@@ -21,8 +21,9 @@ struct Parts {
     points: Vec<u64>,
 }
 
-/// The region of each piece when those that fall into parts are taken apart, and how many there are then: the largest part keeps its
-/// number, others of at least `fewest` points and this share of the region's get new ones, smaller ones stay with the largest.
+/// Takes apart the regions that fall into parts: the region of each piece then, and for each new number the region it was taken from.
+/// The largest part keeps its number, others of at least `fewest` points and this share of the region's get new ones, smaller ones stay
+/// with the largest.
 ///
 /// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
 /// them are seen apart there, and points in rows with gaps between them are not.
@@ -38,7 +39,6 @@ pub(crate) fn take_apart(
         of_region[piece.region as usize].push(at);
     }
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
-    // The region that a new number was taken from.
     let mut from: Vec<u32> = Vec::new();
     let apart = field.levels.iter().find_map(|level| {
         let mut marks = vec![None; level.len()];

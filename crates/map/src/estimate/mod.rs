@@ -140,32 +140,22 @@ pub(crate) struct Owned<'g, 'm> {
 }
 
 /// Puts beside each plane the one of least variance, and how sure that is. Needs cells whose points are those of a place,
-/// each with weight 1. Gives back the errors.
+/// each with weight 1. Gives back the errors, with the level that was found where none are stated.
 pub(crate) fn estimate_planes<'m>(
     planes: &mut [ExtractedPlane],
-    mapper: &'m Mapper,
-    grid: &VoxelGrid,
-    nodes: &Nodes,
-    plane_of_cell: &[Option<PlaneId>],
+    mut cells: Owned<'_, 'm>,
     plane_of_node: &[Option<PlaneId>],
-    tau: u64,
-) -> Option<Errors<'m>> {
-    let params = mapper.params();
-    if !params.by_place() {
-        return None;
-    }
-    let settings = params.estimate.unwrap_or_default();
+) -> Errors<'m> {
+    let nodes = cells.nodes;
     let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); planes.len()];
     for (node, plane) in (0..).zip(plane_of_node) {
         if let Some(nodes) = plane.and_then(|plane| nodes_of.get_mut(plane.index())) {
             nodes.push(node);
         }
     }
-    let errors = Errors::of(mapper, nodes, settings.floor);
-    let mut cells = Owned { grid, nodes, plane_of_cell, tau, errors };
     let level = if nodes.know_errors() { None } else { cells.level_of_cells(planes, &nodes_of) };
     if level.is_none() && !nodes.know_errors() {
-        return Some(cells.errors);
+        return cells.errors;
     }
     let mut columns: Vec<(Near, Columns)> = planes
         .par_iter()
@@ -196,7 +186,7 @@ pub(crate) fn estimate_planes<'m>(
             plane.plane = estimate.plane;
         }
     }
-    Some(cells.errors)
+    cells.errors
 }
 
 /// That of the plane which has half of the points on smoother ones, and at least 1.

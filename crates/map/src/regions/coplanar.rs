@@ -7,6 +7,8 @@ use crate::{ExtractedPlane, PlaneEstimate};
 
 /// χ² of three freedoms that one in a thousand pairs of parts of the same plane exceeds.
 const UNLIKELY: f64 = 16.266;
+/// The cosine of the angle between normals from which on they are compared at all.
+const ALIKE: f64 = 0.9;
 
 /// Makes one of planes that are the same within their covariances, and tells which plane each has become; `None` when there are no
 /// such planes. The larger lends its number, plane and place among the others; points are counted together.
@@ -36,8 +38,7 @@ pub(crate) fn joined(planes: &mut Vec<ExtractedPlane>) -> Option<Vec<Option<Plan
     for (index, at) in order.iter().enumerate() {
         anew[*at] = PlaneId::from_index(index);
     }
-    let named = |at: &usize| anew[first[*at]];
-    let anew: Vec<Option<PlaneId>> = (0..planes.len()).map(|at| named(&at)).collect();
+    let anew: Vec<Option<PlaneId>> = first.iter().map(|kept| anew[*kept]).collect();
     let of = |at: &usize| Some(ExtractedPlane { id: anew[*at]?, ..planes[*at].clone() });
     *planes = order.iter().filter_map(of).collect();
     Some(anew)
@@ -49,14 +50,16 @@ fn are_one(a: &ExtractedPlane, b: &ExtractedPlane) -> bool {
     let share = a.points as f64 / (a.points + b.points) as f64;
     let between = DVec3::from(a.centroid) * share + DVec3::from(b.centroid) * (1.0 - share);
     let normal = DVec3::from(one.plane.normal());
+    // To first order tilts are those of a common frame; nearly all pairs end here.
+    if DVec3::from(other.plane.normal()).dot(normal).abs() < ALIKE {
+        return false;
+    }
     let axes = one.axes.map(DVec3::from);
     let ((here, of_here), (there, of_there)) =
         (at(one, between, normal, axes), at(other, between, normal, axes));
     let apart = here - there;
-    let inverse = (of_here + of_there).inverse();
-    // Planes at a right angle have no common frame, and their matrix no inverse to speak of.
-    let chi_squared = apart.dot(inverse * apart);
-    DVec3::from(other.plane.normal()).dot(normal).abs() > 0.9 && (0.0..=UNLIKELY).contains(&chi_squared)
+    let chi_squared = apart.dot((of_here + of_there).inverse() * apart);
+    (0.0..=UNLIKELY).contains(&chi_squared)
 }
 
 /// (tilt₁, tilt₂, height) of a plane against a frame at a place, and their covariance.

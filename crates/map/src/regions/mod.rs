@@ -5,12 +5,13 @@ mod error_level;
 mod subcells;
 
 use rayon::prelude::*;
+use terrace_grid::VoxelGrid;
 use terrace_normals::{UncertainNormal, canonical};
 use terrace_regions::{Region, Segmentation, segment};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
-use crate::estimate::{Errors, estimate_planes};
+use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::face_sensors;
 use crate::first::used_of;
 use crate::nodes::Nodes;
@@ -53,11 +54,8 @@ impl Mapper {
             found.labels.par_iter().map(|label| PlaneId::from_index((*label)? as usize)).collect();
         let mut owner = OwnerOfCells { nodes: &nodes, of: subcells.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
-        let mut level = errors.level;
         if self.params().estimate.is_some() || settings.join == Join::Coplanar {
-            let known =
-                estimate_planes(&mut planes, self, grid, &nodes, &owner.of, &owner.of_nodes(), used.tau);
-            level = known.and_then(|errors| errors.level).or(level);
+            errors = owner.estimate(&mut planes, grid, used.tau, errors);
         }
         if settings.join == Join::Coplanar
             && let Some(anew) = joined(&mut planes)
@@ -67,7 +65,7 @@ impl Mapper {
             labels.par_iter_mut().for_each(renamed);
             owner.of.iter_mut().for_each(renamed);
             owner.describe(&mut planes);
-            estimate_planes(&mut planes, self, grid, &nodes, &owner.of, &owner.of_nodes(), used.tau);
+            errors = owner.estimate(&mut planes, grid, used.tau, errors);
         }
         face_sensors(&mut planes, &labels, self.views());
         if self.params().estimate.is_none() {
@@ -80,7 +78,7 @@ impl Mapper {
         let grown =
             Grown { noise_scale: found.noise_scale, min_points: found.min_points, min_area: found.min_area };
         let used = Used { grown: Some(grown), ..used };
-        Ok(PlaneMap { planes, labels, used, noise: level, cells, cell_counts, optimised: Vec::new() })
+        Ok(PlaneMap { planes, labels, used, noise: errors.level, cells, cell_counts, optimised: Vec::new() })
     }
 }
 
@@ -101,6 +99,18 @@ impl OwnerOfCells<'_> {
         let labelled = cells
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }));
         labelled.collect()
+    }
+
+    /// Puts the estimates beside the planes, and gives back the errors.
+    fn estimate<'m>(
+        &self,
+        planes: &mut [ExtractedPlane],
+        grid: &VoxelGrid,
+        tau: u64,
+        errors: Errors<'m>,
+    ) -> Errors<'m> {
+        let cells = Owned { grid, nodes: self.nodes, plane_of_cell: &self.of, tau, errors };
+        estimate_planes(planes, cells, &self.of_nodes())
     }
 
     /// Counts the cells of each plane, and how its normals scatter over them.
