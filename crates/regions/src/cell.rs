@@ -17,29 +17,29 @@ pub struct Cell {
 /// A cell with what is asked of it again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct Sums {
-    pub(crate) stats: Stats,
     pub(crate) points: f64,
     pub(crate) mean: DVec3,
+    /// What places of points are relative to.
+    pub(crate) anchor: DVec3,
+    scatter: SymmetricMatrix3,
     /// The mean covariance of the error of a point.
     noise: SymmetricMatrix3,
 }
 
 impl Sums {
     /// `None` without a point, or when the sums are not finite.
-    pub(crate) fn of(stats: Stats) -> Option<Self> {
+    pub(crate) fn of(stats: &Stats) -> Option<Self> {
         let (moments, mean) = (stats.moments(), DVec3::from(stats.mean()?));
         let points = stats.count() as f64;
         let finite = mean.is_finite() && moments.second().is_finite() && moments.noise().is_finite();
-        finite.then(|| Self { stats, points, mean, noise: moments.noise() * (1.0 / points) })
+        let (anchor, scatter) = (stats.anchor().into(), stats.covariance()?);
+        finite.then(|| Self { points, mean, anchor, scatter, noise: moments.noise() * (1.0 / points) })
     }
 
     /// Mean squared distance of the points from a plane, in m².
     pub(crate) fn mean_square(&self, plane: &Flat) -> f64 {
-        let (moments, offset) = (self.stats.moments(), plane.distance(self.stats.anchor().into()));
-        let normal = plane.normal.to_array();
-        let along = DVec3::from(moments.sum()).dot(plane.normal);
-        ((moments.second().quadratic_form(normal) + 2.0 * offset * along) / self.points + offset * offset)
-            .max(0.0)
+        let off = plane.distance(self.mean);
+        self.scatter.quadratic_form(plane.normal.to_array()).max(0.0) + off * off
     }
 
     /// Mean variance of the error of a point along a direction, as it is stated, in m².

@@ -1,44 +1,47 @@
 //! All that is known of the cells before a region is grown.
 
+use glam::DVec3;
 use rayon::prelude::*;
-use terrace_normals::PlaneFit;
 use terrace_stats::Stats;
 
 use crate::cell::{Noise, Sums};
-use crate::flat::{Fitted, Flat};
-use crate::level::Level;
+use crate::flat::Fitted;
+use crate::level::{Level, along_curve};
+use crate::sum::Sum;
 use crate::{Cell, RegionsError};
 
 /// Resolutions: that of the cells, and coarser ones, each with twice the edge of the one before.
 pub(crate) const LEVELS: u32 = 4;
 /// The level whose groups are as large as noise and spacing suggest for a cell.
 pub(crate) const COARSE: usize = 1;
-/// A neighbourhood with fewer points says too little.
-const FEWEST: u64 = 8;
-/// Points that scatter by less than this across their longer direction, in units of the variance of their errors, are a row.
-const ROW: f64 = 2.0;
+/// Cells within cubes of 2ᵏ cells have their sums about one anchor: near enough that squares lose nothing, and so large that few
+/// neighbours are in another.
+const CUBE: u32 = 6;
+/// Work that is handed to a thread at once.
+const AT_ONCE: usize = 1024;
 
-/// The cells, at several resolutions, and the plane around each group.
+/// The cells along a space-filling curve, at several resolutions, and the sums around each group.
 #[derive(Debug)]
 pub(crate) struct Field {
+    /// The place of each among the given cells.
+    pub(crate) order: Vec<u32>,
     pub(crate) cells: Vec<Sums>,
     pub(crate) keys: Vec<[i32; 3]>,
     pub(crate) levels: Vec<Level>,
-    /// By level and group: the plane of the points of a group and of those it touches.
-    pub(crate) around: Vec<Vec<Option<Around>>>,
+    middles: Vec<[f32; 3]>,
+    anchored: Anchored,
+    /// By level and group: the sums of a group and of those it touches.
+    around: Vec<Vec<Sum>>,
     /// The edge of a cell, in metres.
     pub(crate) edge: f64,
 }
 
-/// The plane of a neighbourhood.
-#[derive(Debug, Clone)]
-pub(crate) struct Around {
-    pub(crate) plane: Flat,
-    fit: PlaneFit,
-    points: f64,
-    /// Mean variance of the errors along the normal and across the longer direction in the plane, as stated, in m².
-    stated: f64,
-    stated_across: f64,
+/// The sums of cells, about the anchor of the cube that each is in.
+#[derive(Debug)]
+struct Anchored {
+    sums: Vec<Sum>,
+    cube_of: Vec<u32>,
+    anchors: Vec<DVec3>,
 }
 
 impl Field {
@@ -51,18 +54,21 @@ impl Field {
         if u32::try_from(cells.len()).is_err() {
             return Err(RegionsError::TooMany { cells: cells.len() });
         }
-        let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
-        let sums = cells
-            .par_iter()
-            .enumerate()
-            .map(|(cell, of)| Sums::of(of.stats).ok_or(RegionsError::Cell { cell }))
-            .collect::<Result<Vec<Sums>, RegionsError>>()?;
-        let levels: Vec<Level> = (0..LEVELS).into_par_iter().map(|level| Level::of(&keys, level)).collect();
-        if let Some(places) = levels.first().map(Level::len).filter(|places| *places != cells.len()) {
-            return Err(RegionsError::SameKey { cells: cells.len(), places });
+        if let Some(cell) = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()) {
+            return Err(RegionsError::Cell { cell });
         }
-        let around = levels.iter().map(|level| planes_around(level, &sums)).collect();
-        Ok(Self { cells: sums, keys, levels, around, edge })
+        let (order, levels, anchored) = laid_out(cells);
+        let keys: Vec<[i32; 3]> = order.iter().map(|at| cells[*at as usize].key).collect();
+        let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        if twice > 0 {
+            return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
+        }
+        let sums: Vec<Sums> = order.iter().filter_map(|at| Sums::of(&cells[*at as usize].stats)).collect();
+        // In single precision, as places of points are.
+        #[allow(clippy::cast_possible_truncation)]
+        let middles = sums.iter().map(|of| (of.mean - of.anchor).to_array().map(|x| x as f32)).collect();
+        let around = levels.iter().map(|level| anchored.around(level)).collect();
+        Ok(Self { order, cells: sums, keys, levels, middles, anchored, around, edge })
     }
 
     /// The edge of a group of the level that suits noise and spacing, in metres.
@@ -72,82 +78,104 @@ impl Field {
 
     /// The plane of some cells.
     pub(crate) fn fit(&self, cells: &[u32], noise: Noise) -> Option<Fitted> {
-        Fitted::of_cells(cells.iter().map(|cell| &self.cells[*cell as usize]), noise)
+        Fitted::of(self.anchored.union(cells)?, noise)
+    }
+
+    /// The mean of the points of a cell, from its anchor: a place to look at where no other is known.
+    pub(crate) fn middle(&self, cell: usize) -> &[[f32; 3]] {
+        self.middles.get(cell..=cell).unwrap_or(&[])
+    }
+
+    /// The sums of a group and of those it touches.
+    pub(crate) fn around(&self, level: usize, group: usize) -> &Sum {
+        &self.around[level][group]
+    }
+
+    /// The same, with their anchor.
+    pub(crate) fn stats_around(&self, level: usize, group: usize) -> Stats {
+        self.around(level, group).stats(self.anchored.anchor_of(self.levels[level].cells(group).start))
     }
 }
 
 /// For each cell the sums of its points and those of the up to 26 cells that share a face, an edge or a corner with it.
 /// The keys of cells are to be different.
 pub fn sums_around(cells: &[Cell]) -> Vec<Stats> {
-    let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
-    let level = Level::of(&keys, 0);
-    let around = |cell: usize| {
-        let mut sum = cells[cell].stats;
-        level.near(cell).iter().for_each(|near| sum.merge(&cells[*near as usize].stats));
-        sum
-    };
-    (0..level.len()).into_par_iter().map(around).collect()
-}
-
-fn planes_around(level: &Level, cells: &[Sums]) -> Vec<Option<Around>> {
-    let sum = |group: usize| -> Option<Stats> {
-        let mut members = level.cells(group).iter().map(|cell| &cells[*cell as usize].stats);
-        let mut sum = *members.next()?;
-        members.for_each(|stats| sum.merge(stats));
-        Some(sum)
-    };
-    let sums: Vec<Option<Stats>> = (0..level.len()).into_par_iter().map(sum).collect();
-    let around = |group: usize| {
-        let mut sum = sums[group]?;
-        level
-            .near(group)
-            .iter()
-            .filter_map(|near| sums[*near as usize].as_ref())
-            .for_each(|near| sum.merge(near));
-        Around::of(&sum)
-    };
-    (0..level.len()).into_par_iter().map(around).collect()
-}
-
-impl Around {
-    fn of(sum: &Stats) -> Option<Self> {
-        if sum.count() < FEWEST {
-            return None;
+    let (order, levels, anchored) = laid_out(cells);
+    let mut sums: Vec<Stats> = cells.iter().map(|cell| cell.stats).collect();
+    if let Some(level) = levels.first() {
+        for ((rank, given), sum) in (0..).zip(&order).zip(anchored.around(level)) {
+            let sums = &mut sums[*given as usize];
+            *sums = sum.stats(anchored.anchor_of(rank)).with_anchor(sums.anchor());
         }
-        let fit = terrace_normals::fit_plane(sum).ok()?;
-        let points = sum.count() as f64;
-        let stated = sum.moments().noise().quadratic_form(fit.normal) / points;
-        let stated_across = sum.moments().noise().quadratic_form(fit.axes[1]) / points;
-        Some(Self { plane: Flat::of(&fit), fit, points, stated, stated_across })
+    }
+    sums
+}
+
+fn laid_out(cells: &[Cell]) -> (Vec<u32>, Vec<Level>, Anchored) {
+    let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
+    let (keys, order) = along_curve(&keys);
+    let anchored = Anchored::of(cells, &keys, &order);
+    (order, Level::all(&keys, LEVELS), anchored)
+}
+
+impl Anchored {
+    fn of(cells: &[Cell], keys: &[[u32; 3]], order: &[u32]) -> Self {
+        let (mut cube_of, mut anchors) = (Vec::with_capacity(order.len()), Vec::new());
+        let mut last: Option<[u32; 3]> = None;
+        for (key, at) in keys.iter().zip(order) {
+            let cube = key.map(|k| k >> CUBE);
+            if last != Some(cube) {
+                last = Some(cube);
+                anchors.push(DVec3::from(cells[*at as usize].stats.anchor()));
+            }
+            // Not more cubes than cells.
+            cube_of.push(u32::try_from(anchors.len() - 1).unwrap_or(u32::MAX));
+        }
+        let sum = |(at, cube): (&u32, &u32)| Sum::of(&cells[*at as usize].stats, anchors[*cube as usize]);
+        let sums = order.par_iter().zip(&cube_of).with_min_len(AT_ONCE).map(sum).collect();
+        Self { sums, cube_of, anchors }
     }
 
-    fn variance(&self, noise: Noise) -> f64 {
-        (noise.scale * self.stated).max(noise.floor)
+    fn anchor_of(&self, cell: u32) -> DVec3 {
+        self.anchors[self.cube_of[cell as usize] as usize]
     }
 
-    /// Variance of the points along the normal. Three of their freedoms went into the plane.
-    fn thickness(&self) -> f64 {
-        self.fit.variances[0] * self.points / (self.points - 3.0)
+    /// The sums of each group of a level and of those it touches, about the anchor of its first cell.
+    fn around(&self, level: &Level) -> Vec<Sum> {
+        let of_group = |group: usize| {
+            let mut sum = Sum::ZERO;
+            level.cells(group).for_each(|cell| sum.add(&self.sums[cell as usize]));
+            sum
+        };
+        // Groups are within a cube.
+        let own: Vec<Sum> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(of_group).collect();
+        let cube = |group: usize| self.cube_of[level.cells(group).start as usize];
+        let around = |group: usize| {
+            let mut sum = own[group];
+            let here = cube(group);
+            for near in level.near(group) {
+                let there = cube(*near as usize);
+                if here == there {
+                    sum.add(&own[*near as usize]);
+                } else {
+                    let apart = self.anchors[there as usize] - self.anchors[here as usize];
+                    sum.add(&own[*near as usize].translated(apart));
+                }
+            }
+            sum
+        };
+        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 
-    /// Standard error of the orientation where it is least sure, in radians.
-    pub(crate) fn tilt(&self, noise: Noise) -> f64 {
-        (self.thickness().max(self.variance(noise)) / (self.points * self.fit.variances[1])).sqrt()
-    }
-
-    /// Whether the points are a row: what they scatter across it is little more than their errors, so that the plane through them
-    /// turns about the row as those fall. A ring of a lidar is one, a step of a depth image another.
-    pub(crate) fn is_row(&self, noise: Noise) -> bool {
-        let [_, across, _] = self.fit.variances;
-        across <= ROW * (noise.scale * self.stated_across).max(noise.floor)
-    }
-
-    /// Whether the points lie as flat as their errors say, give or take what so few of them tell, and not along a line.
-    pub(crate) fn is_flat(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> bool {
-        let [_, across, along] = self.fit.variances;
-        let allowed = chi_squared * (1.0 + 3.0 * (2.0 / self.points).sqrt());
-        self.thickness() <= allowed * self.variance(noise)
-            && across >= narrowest * along
-            && !self.is_row(noise)
+    /// The sums of all of some cells, about the anchor of the first.
+    fn union(&self, cells: &[u32]) -> Option<Stats> {
+        let anchor = self.anchor_of(*cells.first()?);
+        let mut all = Sum::ZERO;
+        for of_cube in cells.chunk_by(|a, b| self.cube_of[*a as usize] == self.cube_of[*b as usize]) {
+            let mut sum = Sum::ZERO;
+            of_cube.iter().for_each(|cell| sum.add(&self.sums[*cell as usize]));
+            all.add(&sum.translated(self.anchor_of(of_cube[0]) - anchor));
+        }
+        Some(all.stats(anchor))
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use terrace_normals::{PlaneFit, fit_plane};
 use terrace_stats::Stats;
 
-use crate::cell::{Noise, Sums};
+use crate::cell::Noise;
 
 /// A plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,16 +59,6 @@ impl Fitted {
             reduced_chi_squared: thickness / variance,
             tilt,
         })
-    }
-
-    /// The plane of the points of some cells.
-    pub(crate) fn of_cells<'c>(cells: impl IntoIterator<Item = &'c Sums>, noise: Noise) -> Option<Self> {
-        let mut cells = cells.into_iter();
-        let mut sums = cells.next()?.stats;
-        for cell in cells {
-            sums.merge(&cell.stats);
-        }
-        Self::of(sums, noise)
     }
 
     pub(crate) fn points(&self) -> f64 {

@@ -1,14 +1,16 @@
 //! Regions grown from the most certain places.
 
 use crate::Step;
+use crate::around::Arounds;
 use crate::cell::Noise;
-use crate::field::{COARSE, Field};
+use crate::field::Field;
 use crate::flat::{Fitted, Flat};
+use crate::seeds::{Seed, Seeds};
 
 /// A seed's points may scatter by this, in units of the variance of their errors.
-const SEED_CHI_SQUARED: f64 = 2.0;
+pub(crate) const SEED_CHI_SQUARED: f64 = 2.0;
 /// A seed's orientation is known to this, in radians.
-const SEED_TILT: f64 = 0.05;
+pub(crate) const SEED_TILT: f64 = 0.05;
 /// A seed's points scatter across their longer direction by this share of the variance along it.
 const SEED_WIDTH: f64 = 0.1;
 /// This share of a seed, and of what it touches, is of no region yet.
@@ -49,13 +51,6 @@ pub(crate) struct Growth {
     pub(crate) without: Option<Step>,
 }
 
-/// A group of cells to begin with.
-struct Seed {
-    tilt: f64,
-    level: usize,
-    group: u32,
-}
-
 /// Grows regions until no certain place is left.
 ///
 /// # Algorithm
@@ -64,16 +59,19 @@ struct Seed {
 /// group, neighbours are taken whose points have the mean square distance from the plane that their errors explain and whose
 /// own neighbourhood is not turned against it; then the plane is fitted to the sums of all, and all is grown again from the
 /// seed, until it stays.
-pub(crate) fn grow(field: &Field, growth: Growth) -> Vec<Region> {
+pub(crate) fn grow(arounds: &mut Arounds, growth: Growth) -> Vec<Region> {
+    let field = arounds.field();
+    let mut seeds = Seeds::of(field, growth);
     let mut growing = Growing {
         field,
         growth,
+        arounds,
         owned: vec![false; field.cells.len()],
         reached: field.levels.iter().map(|level| vec![0; level.len()]).collect(),
         clock: 0,
     };
     let mut regions: Vec<Region> = Vec::new();
-    for seed in seeds(field, growth) {
+    while let Some(seed) = seeds.next(|seed| growing.judge(seed)) {
         if let Some(region) = growing.region(&seed) {
             for cell in &region.cells {
                 growing.owned[*cell as usize] = true;
@@ -84,24 +82,10 @@ pub(crate) fn grow(field: &Field, growth: Growth) -> Vec<Region> {
     regions
 }
 
-fn seeds(field: &Field, growth: Growth) -> Vec<Seed> {
-    let noise = growth.noise;
-    let mut seeds: Vec<Seed> = Vec::new();
-    let is_used = |level: usize| growth.without != Some(Step::Resolutions) || level == COARSE;
-    for (level, around) in field.around.iter().enumerate().filter(|(level, _)| is_used(*level)) {
-        for (group, around) in (0..).zip(around) {
-            let flat = around.as_ref().filter(|around| around.is_flat(noise, SEED_CHI_SQUARED, SEED_WIDTH));
-            let tilt = flat.map(|around| around.tilt(noise)).filter(|tilt| *tilt <= SEED_TILT);
-            seeds.extend(tilt.map(|tilt| Seed { tilt, level, group }));
-        }
-    }
-    seeds.sort_by(|a, b| a.tilt.total_cmp(&b.tilt).then((a.level, a.group).cmp(&(b.level, b.group))));
-    seeds
-}
-
-struct Growing<'f> {
+struct Growing<'a, 'f> {
     field: &'f Field,
     growth: Growth,
+    arounds: &'a mut Arounds<'f>,
     /// Whether a cell is of a region already.
     owned: Vec<bool>,
     /// By level and group, when it was last reached.
@@ -109,15 +93,22 @@ struct Growing<'f> {
     clock: u32,
 }
 
-impl Growing<'_> {
-    fn region(&mut self, seed: &Seed) -> Option<Region> {
-        let (field, level) = (self.field, &self.field.levels[seed.level]);
-        if !self.is_free(level.cells(seed.group as usize).iter().copied())
-            || !self.is_free(level.around(seed.group as usize))
-        {
+impl Growing<'_, '_> {
+    /// How sure the orientation at a seed is; `None` when it cannot begin a region, now or later.
+    fn judge(&mut self, seed: &Seed) -> Option<f64> {
+        let (level, group) = (&self.field.levels[seed.level], seed.group as usize);
+        if !self.is_free(level.cells(group)) || !self.is_free(level.around(group)) {
             return None;
         }
-        let mut plane = field.around[seed.level][seed.group as usize].as_ref()?.plane;
+        let noise = self.growth.noise;
+        let around = self.arounds.get(seed.level, group)?;
+        let tilt = around.is_flat(noise, SEED_CHI_SQUARED, SEED_WIDTH).then(|| around.tilt(noise));
+        tilt.filter(|tilt| *tilt <= SEED_TILT)
+    }
+
+    fn region(&mut self, seed: &Seed) -> Option<Region> {
+        let field = self.field;
+        let mut plane = self.arounds.get(seed.level, seed.group as usize)?.plane;
         let (mut before, mut spread) = (0, 0.0);
         let mut found: Option<Region> = None;
         let rounds = if self.growth.without == Some(Step::Refit) { 1 } else { ROUNDS };
@@ -164,11 +155,13 @@ impl Growing<'_> {
         while let Some(group) = queue.get(next).copied() {
             next += 1;
             let before = cells.len();
-            let lies_on = |cell: &&u32| {
-                !self.owned[**cell as usize]
-                    && self.growth.lies_on(self.field, **cell as usize, plane, spread)
-            };
-            cells.extend(level.cells(group as usize).iter().filter(lies_on));
+            for cell in level.cells(group as usize) {
+                if !self.owned[cell as usize]
+                    && self.growth.lies_on(self.field, self.arounds, cell as usize, plane, spread)
+                {
+                    cells.push(cell);
+                }
+            }
             if cells.len() > before {
                 for near in level.near(group as usize) {
                     if reached[*near as usize] != self.clock {
@@ -194,7 +187,14 @@ impl Growing<'_> {
 }
 
 impl Growth {
-    fn lies_on(&self, field: &Field, cell: usize, plane: &Flat, spread: f64) -> bool {
+    fn lies_on(
+        &self,
+        field: &Field,
+        arounds: &mut Arounds,
+        cell: usize,
+        plane: &Flat,
+        spread: f64,
+    ) -> bool {
         let sums = &field.cells[cell];
         let variance = self.noise.variance(sums, plane.normal);
         let errors = SLACK * (1.0 + SIGNIFICANT * (2.0 / sums.points).sqrt());
@@ -202,8 +202,10 @@ impl Growth {
         if by_offset && sums.mean_square(plane) > variance * (errors + self.spread * self.spread * spread) {
             return false;
         }
+        // Nearly all cells are told by their sums.
         self.without == Some(Step::Normals)
-            || field.around[0][cell].as_ref().is_none_or(|around| {
+            || field.around(0, cell).is_along(plane, TURNED.sin().powi(2))
+            || arounds.get(0, cell).is_none_or(|around| {
                 around.is_row(self.noise)
                     || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)
             })
@@ -220,7 +222,7 @@ mod tests {
     #[test]
     fn one_square_is_one_region_of_all_cells() {
         let field = field(&square(|x, y| [x, y, 0.05 + 0.2 * x]));
-        let [region] = &grow(&field, STRICT)[..] else { panic!() };
+        let [region] = &grow(&mut Arounds::of(&field), STRICT)[..] else { panic!() };
         assert_eq!(region.cells.len(), field.cells.len());
         assert_eq!(region.fitted.sums.count(), 3600);
         assert!(region.fitted.reduced_chi_squared < 1e-9);
@@ -233,7 +235,7 @@ mod tests {
         points.extend(square(|y, z| [0.04, y, z]));
         points.extend(square(|z, x| [x, 0.05, z]));
         let field = field(&points);
-        let regions = grow(&field, STRICT);
+        let regions = grow(&mut Arounds::of(&field), STRICT);
         assert!(regions.len() >= 3);
         let mut seen = vec![false; field.cells.len()];
         for region in &regions {
@@ -259,16 +261,18 @@ mod tests {
             wall.cells[cell].mean_square(&flat(2))
                 < SLACK * 2.0 * NOISE.variance(&wall.cells[cell], flat(2).normal)
         );
-        assert!(STRICT.lies_on(&wall, cell, &flat(0), 0.0) && !STRICT.lies_on(&wall, cell, &flat(2), 0.0));
+        let mut arounds = Arounds::of(&wall);
+        let mut lies_on = |axis| STRICT.lies_on(&wall, &mut arounds, cell, &flat(axis), 0.0);
+        assert!(lies_on(0) && !lies_on(2));
     }
 
     #[test]
     fn nothing_grows_from_points_in_a_line_or_all_over() {
         let line: Vec<[f64; 3]> = (0..2000).map(|k| [0.001 * f64::from(k), 0.05, 0.05]).collect();
-        assert_eq!(grow(&field(&line), STRICT).len(), 0);
+        assert_eq!(grow(&mut Arounds::of(&field(&line)), STRICT).len(), 0);
         let fraction = |k: i32, by: f64| (f64::from(k) * by).fract();
         let cloud: Vec<[f64; 3]> =
             (0..4000).map(|k| [0.8192, 0.6711, 0.5497].map(|by| fraction(k, by))).collect();
-        assert_eq!(grow(&field(&cloud), STRICT).len(), 0);
+        assert_eq!(grow(&mut Arounds::of(&field(&cloud)), STRICT).len(), 0);
     }
 }

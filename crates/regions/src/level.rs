@@ -2,66 +2,124 @@
 
 use foldhash::fast::FixedState;
 use hashbrown::HashMap;
+use rayon::prelude::*;
 
-/// Cells in groups of 2ˡ × 2ˡ × 2ˡ, and which groups touch.
+/// Groups whose neighbours are looked up in one go.
+const AT_ONCE: usize = 256;
+
+/// Cells in groups of 2ˡ × 2ˡ × 2ˡ, and which groups touch. Cells are in the order of a space-filling curve, so that the cells of a
+/// group follow each other, and the groups of a level those of the next.
 #[derive(Debug, Clone)]
 pub(crate) struct Level {
+    /// The upper bits of the keys.
+    keys: Vec<[u32; 3]>,
+    /// Group `i` has the cells from `starts[i]` to `starts[i + 1]`.
+    starts: Vec<u32>,
     /// The group of each cell.
     of: Vec<u32>,
-    /// Group `i` has the cells `cells[starts[i]..starts[i + 1]]`.
-    starts: Vec<usize>,
-    cells: Vec<u32>,
     /// And touches `near[near_starts[i]..near_starts[i + 1]]`.
     near_starts: Vec<usize>,
     near: Vec<u32>,
 }
 
 impl Level {
-    /// Groups cells by the upper bits of their keys. Groups are numbered by the first of their cells.
-    pub(crate) fn of(keys: &[[i32; 3]], level: u32) -> Self {
-        let mut index: HashMap<[i32; 3], u32, FixedState> = HashMap::default();
-        let mut groups: Vec<[i32; 3]> = Vec::new();
-        let mut of = Vec::with_capacity(keys.len());
-        for key in keys {
-            let group = key.map(|k| k >> level);
-            of.push(*index.entry(group).or_insert_with(|| {
-                groups.push(group);
-                number(groups.len() - 1)
-            }));
+    /// All resolutions, the finest first, of cells that are sorted and of different keys.
+    pub(crate) fn all(keys: &[[u32; 3]], levels: u32) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        let mut children: Vec<Vec<u32>> = Vec::new();
+        for level in 0..levels {
+            let (of_groups, starts) = match all.last() {
+                None => (keys.to_vec(), (0..=number(keys.len())).collect()),
+                Some(below) => runs(&below.keys),
+            };
+            let cells: Vec<u32> = match all.last() {
+                None => starts.clone(),
+                Some(below) => starts.iter().map(|child| below.starts[*child as usize]).collect(),
+            };
+            let mut of = Vec::with_capacity(keys.len());
+            for (group, ends) in (0..).zip(cells.windows(2)) {
+                of.resize(of.len() + (ends[1] - ends[0]) as usize, group);
+            }
+            children.push(starts);
+            all.push(Self { keys: of_groups, starts: cells, of, near_starts: vec![0], near: Vec::new() });
+            debug_assert_eq!(all.len(), level as usize + 1);
         }
-        let mut starts = vec![0_usize; groups.len() + 1];
-        for group in &of {
-            starts[*group as usize + 1] += 1;
+        if let Some(top) = all.last_mut() {
+            top.look_up();
         }
-        for group in 0..groups.len() {
-            starts[group + 1] += starts[group];
+        for level in (0..all.len().saturating_sub(1)).rev() {
+            let (below, above) = all.split_at_mut(level + 1);
+            if let (Some(own), Some(parents)) = (below.last_mut(), above.first()) {
+                own.from_parents(parents, &children[level + 1]);
+            }
         }
-        let mut next = starts.clone();
-        let mut cells = vec![0; keys.len()];
-        for (cell, group) in of.iter().enumerate() {
-            let place = &mut next[*group as usize];
-            cells[*place] = number(cell);
-            *place += 1;
-        }
-        let mut near_starts = vec![0];
-        let mut near = Vec::new();
-        for [x, y, z] in &groups {
-            for step in (0..27).filter(|step| *step != 13) {
-                let (dx, dy, dz) = (step / 9 - 1, step / 3 % 3 - 1, step % 3 - 1);
+        all
+    }
+
+    /// Finds the groups that touch, in a table of all.
+    fn look_up(&mut self) {
+        let index: HashMap<[u32; 3], u32, FixedState> = self.keys.iter().copied().zip(0..).collect();
+        for [x, y, z] in &self.keys {
+            for [dx, dy, dz] in steps() {
                 // Keys at the end of the range have no neighbour beyond it.
-                let beside = (x.checked_add(dx), y.checked_add(dy), z.checked_add(dz));
+                let beside = (x.checked_add_signed(dx), y.checked_add_signed(dy), z.checked_add_signed(dz));
                 if let (Some(x), Some(y), Some(z)) = beside {
-                    near.extend(index.get(&[x, y, z]));
+                    self.near.extend(index.get(&[x, y, z]));
                 }
             }
-            near_starts.push(near.len());
+            self.near_starts.push(self.near.len());
         }
-        Self { of, starts, cells, near_starts, near }
+    }
+
+    /// Finds the groups that touch among the children of the parents that do: those around the children of one parent fill at most
+    /// 4 × 4 × 4 places.
+    fn from_parents(&mut self, parents: &Self, children: &[u32]) {
+        const NONE: u32 = u32::MAX;
+        let keys = &self.keys;
+        let child = |parent: usize| children[parent]..children[parent + 1];
+        let of_some = |first: usize| {
+            let (mut near, mut ends) = (Vec::new(), Vec::new());
+            for parent in first..(first + AT_ONCE).min(parents.len()) {
+                // Where the places begin: one before the children.
+                let from = parents.keys[parent].map(|k| (k << 1).wrapping_sub(1));
+                let mut places = [NONE; 64];
+                for beside in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
+                    for group in child(beside as usize) {
+                        let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
+                        if x < 4 && y < 4 && z < 4 {
+                            places[(16 * x + 4 * y + z) as usize] = group;
+                        }
+                    }
+                }
+                for group in child(parent) {
+                    let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
+                    let at = 16 * x + 4 * y + z;
+                    for [dx, dy, dz] in steps() {
+                        let place = at.wrapping_add_signed(16 * dx + 4 * dy + dz);
+                        let group = places[place as usize & 63];
+                        if group != NONE {
+                            near.push(group);
+                        }
+                    }
+                    ends.push(near.len());
+                }
+            }
+            (near, ends)
+        };
+        let parts: Vec<(Vec<u32>, Vec<usize>)> =
+            (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(of_some).collect();
+        self.near.reserve(parts.iter().map(|(near, _)| near.len()).sum());
+        self.near_starts.reserve(self.keys.len());
+        for (near, ends) in parts {
+            let before = self.near.len();
+            self.near.extend(near);
+            self.near_starts.extend(ends.into_iter().map(|end| before + end));
+        }
     }
 
     /// Number of groups.
     pub(crate) fn len(&self) -> usize {
-        self.starts.len() - 1
+        self.keys.len()
     }
 
     /// The group of a cell.
@@ -69,9 +127,9 @@ impl Level {
         self.of[cell]
     }
 
-    /// The cells of a group, in rising order.
-    pub(crate) fn cells(&self, group: usize) -> &[u32] {
-        &self.cells[self.starts[group]..self.starts[group + 1]]
+    /// The cells of a group.
+    pub(crate) fn cells(&self, group: usize) -> std::ops::Range<u32> {
+        self.starts[group]..self.starts[group + 1]
     }
 
     /// The groups that share a face, an edge or a corner with a group.
@@ -82,8 +140,68 @@ impl Level {
     /// The cells of a group and of those it touches.
     pub(crate) fn around(&self, group: usize) -> impl Iterator<Item = u32> {
         let groups = std::iter::once(number(group)).chain(self.near(group).iter().copied());
-        groups.flat_map(|group| self.cells(group as usize).iter().copied())
+        groups.flat_map(|group| self.cells(group as usize))
     }
+}
+
+/// The steps to the 26 neighbours.
+fn steps() -> impl Iterator<Item = [i32; 3]> {
+    (0..27).filter(|step| *step != 13).map(|step| [step / 9 - 1, step / 3 % 3 - 1, step % 3 - 1])
+}
+
+/// The groups of twice the edge, and where the children of each begin.
+fn runs(keys: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let (mut groups, mut starts): (Vec<[u32; 3]>, Vec<u32>) = (Vec::new(), Vec::new());
+    for (child, key) in (0..).zip(keys) {
+        let group = key.map(|k| k >> 1);
+        if groups.last() != Some(&group) {
+            groups.push(group);
+            starts.push(child);
+        }
+    }
+    starts.push(number(keys.len()));
+    (groups, starts)
+}
+
+/// Keys by the bits of all three in turn: the order of the curve that fills cubes of 2ˡ × 2ˡ × 2ˡ one after the other. Gives the keys
+/// from a corner of the largest cube in that order, and for each its place among the given ones.
+pub(crate) fn along_curve(keys: &[[i32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let least = |axis: usize| keys.iter().map(|key| key[axis]).min().unwrap_or(0);
+    // Cubes are those of the lattice, wherever the cells are.
+    let corner = [0, 1, 2].map(|axis| least(axis) & !((1 << CUBE) - 1));
+    let from = |key: &[i32; 3]| [0, 1, 2].map(|i| key[i].wrapping_sub(corner[i]).cast_unsigned());
+    let keys: Vec<[u32; 3]> = keys.iter().map(from).collect();
+    let far = keys.iter().flatten().fold(0, |all, k| all | k) >> BITS != 0;
+    let order: Vec<u32> = if far {
+        let code = |key: [u32; 3]| (interleaved(key.map(|k| k >> BITS)), interleaved(key));
+        let mut order: Vec<u32> = (0..number(keys.len())).collect();
+        order.sort_by_cached_key(|at| code(keys[*at as usize]));
+        order
+    } else {
+        let mut order: Vec<(u64, u32)> = keys.iter().map(|key| interleaved(*key)).zip(0..).collect();
+        if !order.is_sorted() {
+            order.sort_unstable();
+        }
+        order.into_iter().map(|(_, at)| at).collect()
+    };
+    (order.iter().map(|at| keys[*at as usize]).collect(), order)
+}
+
+/// The bits of a key that fit into a code three times, and those of a cube of the coarsest level.
+const BITS: u32 = 21;
+const CUBE: u32 = 3;
+
+/// The lower bits of three numbers in turn.
+fn interleaved([x, y, z]: [u32; 3]) -> u64 {
+    let spread = |k: u32| {
+        let mut x = u64::from(k) & ((1 << BITS) - 1);
+        x = (x | x << 32) & 0x001f_0000_0000_ffff;
+        x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+        x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+        x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+        (x | x << 2) & 0x1249_2492_4924_9249
+    };
+    spread(x) << 2 | spread(y) << 1 | spread(z)
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "fewer cells than 2³²: `Field::of` sees to it")]
@@ -97,44 +215,56 @@ mod tests {
     use proptest::collection::btree_set;
     use proptest::prelude::*;
 
+    fn levels(keys: &[[i32; 3]]) -> (Vec<Level>, Vec<u32>) {
+        let (sorted, order) = along_curve(keys);
+        (Level::all(&sorted, 4), order)
+    }
+
     #[test]
     fn no_cells_are_no_groups() {
-        let level = Level::of(&[], 1);
-        assert_eq!((level.len(), level.near.len()), (0, 0));
+        let (levels, order) = levels(&[]);
+        assert!(order.is_empty() && levels.iter().all(|level| level.len() == 0 && level.near.is_empty()));
     }
 
     #[test]
-    fn negative_keys_are_grouped_as_positive_ones() {
-        let level = Level::of(&[[-1, 0, 0], [-2, 0, 0], [0, 0, 0], [1, 0, 0]], 1);
-        assert_eq!(level.of, [0, 0, 1, 1]);
-        assert_eq!(level.near(0), [1]);
+    fn the_ends_of_the_range_have_neighbours_on_one_side() {
+        let keys = [[i32::MAX, 0, 0], [i32::MAX - 1, 0, 0], [i32::MIN, 0, 0]];
+        let (levels, order) = levels(&keys);
+        assert_eq!(order, [2, 1, 0]);
+        assert_eq!([levels[0].near(0), levels[0].near(1), levels[0].near(2)], [&[][..], &[2], &[1]]);
     }
 
     #[test]
-    fn the_end_of_the_range_has_neighbours_on_one_side() {
-        let level = Level::of(&[[i32::MAX, 0, 0], [i32::MAX - 1, 0, 0], [i32::MIN, 0, 0]], 0);
-        assert_eq!(level.near(0), [1]);
-        assert_eq!(level.near(2), []);
+    fn bits_are_taken_in_turn() {
+        assert_eq!(interleaved([1, 0, 0]), 4);
+        assert_eq!(interleaved([0, 3, 0]), 0b01_0010);
+        assert_eq!(interleaved([(1 << 21) - 1; 3]), (1 << 63) - 1);
     }
 
     proptest! {
         #[test]
         fn groups_are_those_of_brute_force(
             keys in btree_set(prop::array::uniform3(-9..9_i32), 0..60),
-            level in 0..4_u32,
+            far in any::<bool>(),
         ) {
-            let keys: Vec<[i32; 3]> = keys.into_iter().collect();
-            let found = Level::of(&keys, level);
-            let group = |k: &[i32; 3]| k.map(|x| x.div_euclid(1 << level));
-            for (cell, key) in keys.iter().enumerate() {
-                let own = found.group(cell) as usize;
-                let members: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| group(k) == group(key)).map(|(i, _)| i).collect();
-                prop_assert_eq!(found.cells(own), &members[..]);
-                let mut around: Vec<u32> = found.around(own).collect();
-                around.sort_unstable();
-                let touches = |k: &[i32; 3]| (0..3).all(|i| (group(k)[i] - group(key)[i]).abs() <= 1);
-                let expected: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| touches(k)).map(|(i, _)| i).collect();
-                prop_assert_eq!(around, expected);
+            let mut given: Vec<[i32; 3]> = keys.into_iter().rev().collect();
+            if far {
+                given.push([1 << 30, -(1 << 29), 5]);
+            }
+            let (levels, order) = levels(&given);
+            let keys: Vec<[i32; 3]> = order.iter().map(|at| given[*at as usize]).collect();
+            for (l, found) in (0..).zip(&levels) {
+                let group = |k: &[i32; 3]| k.map(|x| x.div_euclid(1 << l));
+                for (cell, key) in keys.iter().enumerate() {
+                    let own = found.group(cell) as usize;
+                    let members: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| group(k) == group(key)).map(|(i, _)| i).collect();
+                    prop_assert_eq!(found.cells(own).collect::<Vec<u32>>(), members);
+                    let mut around: Vec<u32> = found.around(own).collect();
+                    around.sort_unstable();
+                    let touches = |k: &[i32; 3]| (0..3).all(|i| (group(k)[i] - group(key)[i]).abs() <= 1);
+                    let expected: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| touches(k)).map(|(i, _)| i).collect();
+                    prop_assert_eq!(around, expected);
+                }
             }
         }
     }

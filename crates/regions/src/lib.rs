@@ -67,28 +67,36 @@
 //! No cells, points in one place, on a line, or all over: no regions, and no error. [`RegionsError`] names the first cell,
 //! point or setting that contradicts the others. Nothing panics. At most 2³² − 1 cells and points.
 
+mod around;
 mod bend;
 mod cell;
 mod ends;
 mod error;
+mod exact;
 mod field;
 mod flat;
 mod grow;
 mod labels;
 mod level;
+mod mixture;
+mod near;
 mod parts;
+mod samples;
 #[cfg(test)]
 mod scene;
+mod seeds;
 mod segment;
 mod settings;
+mod sum;
 mod surface;
 
 pub use bend::Bend;
 pub use cell::Cell;
 pub use error::RegionsError;
 pub use field::sums_around;
-pub use labels::Points;
-pub use segment::{Region, Segmentation, Share, segment};
+pub use labels::{Labeller, Points};
+pub use samples::Samples;
+pub use segment::{Found, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
 
 /// The examples of the README are tests.

@@ -128,6 +128,7 @@ impl Groups {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::level::along_curve;
     use glam::DVec3;
     use proptest::prelude::*;
 
@@ -167,8 +168,10 @@ mod tests {
             cells in prop::collection::btree_map(prop::array::uniform3(-9..9_i32), 1..9_u32, 1..40),
             level in 0..3_u32,
         ) {
-            let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = cells.into_iter().unzip();
-            let coarse = Level::of(&keys, level);
+            let cells: Vec<([i32; 3], u32)> = cells.into_iter().collect();
+            let (sorted, order) = along_curve(&cells.iter().map(|(key, _)| *key).collect::<Vec<_>>());
+            let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = order.iter().map(|at| cells[*at as usize]).unzip();
+            let coarse = Level::all(&sorted, level + 1).pop().unwrap();
             let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
             let groups = Groups::of(&coarse, pieces.iter());
             let mut marks = vec![None; coarse.len()];
@@ -178,7 +181,7 @@ mod tests {
             let mut found: Vec<(u64, Vec<[i32; 3]>)> =
                 parts.points.iter().map(|points| (*points, Vec::new())).collect();
             for (group, part) in groups.groups.iter().zip(&parts.of) {
-                let first = coarse.cells(*group as usize)[0];
+                let first = coarse.cells(*group as usize).start;
                 found[*part].1.push(keys[first as usize].map(|k| k >> level));
             }
             for (_, groups) in &mut found {

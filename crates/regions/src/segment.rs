@@ -1,11 +1,14 @@
 //! From cells and points to planes and labels.
 
+use crate::around::Arounds;
 use crate::bend::Bend;
 use crate::cell::Noise;
 use crate::field::Field;
 use crate::flat::Fitted;
 use crate::grow::{Growth, Region as Grown, grow};
-use crate::labels::{ByCell, Labels, Piece, Points};
+use crate::exact::{by_points, samples_of};
+use crate::labels::{Labeller, Piece, Points, pieces};
+use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Surface;
 use crate::{Cell, RegionsError, Settings, Step};
@@ -88,6 +91,23 @@ pub struct Segmentation {
     pub min_area: f64,
 }
 
+/// Planes, found from the sums of cells and samples of their points.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The planes, those with most points first. Points are counted by the samples.
+    pub regions: Vec<Region>,
+    /// How many points of each cell are of which plane, by the samples, in the order of the cells.
+    pub shares: Vec<Share>,
+    /// What the variances of errors were multiplied by, because planes scatter by more: 1 where stated errors are all there is.
+    pub noise_scale: f64,
+    /// The fewest points and the least area of a plane, in m².
+    pub min_points: f64,
+    /// See [`min_points`](Self::min_points).
+    pub min_area: f64,
+    /// Tells of which plane each point is.
+    pub labeller: Labeller,
+}
+
 /// Finds the planes of a scene.
 ///
 /// `cells` have an edge of `edge` metres and different keys: half of what noise and spacing suggest for a cell, since regions
@@ -101,9 +121,30 @@ pub fn segment(
     points: Points,
     settings: &Settings,
 ) -> Result<Segmentation, RegionsError> {
+    points.check(cells.len())?;
+    let samples = samples_of(points);
+    let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
+    let known = points.cells.iter().flatten().count();
+    Ok(by_points(find(cells, edge, known as u64, of_cell, settings)?, cells, points))
+}
+
+/// Finds the planes of a scene without its points: from the sums of cells, as for [`segment`], and a sample of the points of each. Points
+/// are labelled afterwards, with [`Found::labeller`].
+///
+/// `points` is the number of all points, `samples` gives some places of a cell's points from the anchor of its sums, in metres: see
+/// [`Samples`](crate::Samples).
+///
+/// # Errors
+/// As [`segment`].
+pub fn find<'s>(
+    cells: &[Cell],
+    edge: f64,
+    points: u64,
+    samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
+    settings: &Settings,
+) -> Result<Found, RegionsError> {
     settings.validate()?;
     let field = Field::of(cells, edge)?;
-    let by_cell = ByCell::of(points, cells.len())?;
     let (mut grown, noise) = grow_as_noise_allows(&field, settings);
     let narrowest = NARROWEST * field.coarse_edge();
     grown.retain(|region| {
@@ -112,22 +153,27 @@ pub fn segment(
         !settings.takes(Step::Certain)
             || region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
     });
-    let fewest = (SHARE_OF_POINTS * by_cell.len() as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
+    let fewest = (SHARE_OF_POINTS * points as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
     let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
     let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
-    let mut labels = Labels::of(&field, noise, &grown, &by_cell, settings, fewest);
+    let samples = |cell: usize| samples(field.order[cell] as usize);
+    let mixture = Mixture { field: &field, noise, samples, settings, fewest };
+    let (of_cells, candidates) = mixture.solve(&grown);
+    let mut pieces = pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.places(cell));
 
     let (numbers, from) = take_apart(
         &field,
-        &labels.pieces,
+        &pieces,
         grown.len(),
         PART * fewest,
         if settings.takes(Step::Parts) { SHARE_OF_PART } else { f64::INFINITY },
     );
-    labels.renumber(&by_cell, &numbers);
     let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
+    for (piece, number) in pieces.iter_mut().zip(numbers) {
+        piece.region = number;
+    }
     let mut pieces_of: Vec<Vec<Piece>> = vec![Vec::new(); surface_of.len()];
-    for piece in &labels.pieces {
+    for piece in &pieces {
         pieces_of[piece.region as usize].push(*piece);
     }
     let looks_flat = |region: &Region| {
@@ -152,15 +198,26 @@ pub fn segment(
     }
     let share = |piece: &Piece| {
         let region = rank[piece.region as usize]?;
-        Some(Share { cell: piece.cell, region, points: piece.points })
+        Some(Share { cell: field.order[piece.cell as usize], region, points: piece.points })
     };
-    Ok(Segmentation {
-        shares: labels.pieces.iter().filter_map(share).collect(),
+    let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
+    shares.sort_unstable_by_key(|share| (share.cell, share.region));
+    let mut of_pieces = pieces.iter().peekable();
+    let number = |cell: u32, region: u32| {
+        // Cells are asked for in their order, each for several regions.
+        while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
+        let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
+        // What no sampled point is of has the number of the largest part.
+        rank[of_pieces.clone().take_while(|piece| piece.cell == cell).find(same).map_or(region, |piece| piece.region) as usize]
+    };
+    let labeller = Labeller::of(&field, of_cells, settings.reach, number);
+    Ok(Found {
+        shares,
         regions: found.into_iter().map(|(_, region)| region).collect(),
-        labels: labels.of.iter().map(|label| rank[(*label)? as usize]).collect(),
         noise_scale: noise.scale,
         min_points: fewest,
         min_area: least,
+        labeller,
     })
 }
 
@@ -192,7 +249,10 @@ impl Region {
 fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Noise) {
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
-    let grow = |noise: Noise, spread: f64| grow(field, Growth { noise, spread, without: settings.leave_out });
+    let mut arounds = Arounds::of(field);
+    let mut grow = |noise: Noise, spread: f64| {
+        grow(&mut arounds, Growth { noise, spread, without: settings.leave_out })
+    };
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(stated, 0.0);
         if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {

@@ -36,7 +36,7 @@ impl Surface {
         let (mut all, mut squares) = (0, 0.0);
         for piece in pieces {
             let key = field.keys[piece.cell as usize];
-            let anchor = DVec3::from(field.cells[piece.cell as usize].stats.anchor()) - fitted.plane.point;
+            let anchor = field.cells[piece.cell as usize].anchor - fitted.plane.point;
             let points = f64::from(piece.points);
             let column = columns.entry([key[(axis + 1) % 3], key[(axis + 2) % 3]]).or_default();
             column.points += points;

@@ -32,6 +32,18 @@ impl Moments {
         noise: SymmetricMatrix3::ZERO,
     };
 
+    /// Sums that were taken elsewhere, of `count` vectors with weight 1: `Σ p`, `Σ p pᵀ` and the sum of the covariances of their
+    /// errors.
+    #[inline]
+    pub const fn from_sums(
+        count: u64,
+        sum: [f64; 3],
+        second: SymmetricMatrix3,
+        noise: SymmetricMatrix3,
+    ) -> Self {
+        Self { count, weight: count as f64, sum, second, noise }
+    }
+
     /// Adds a vector with weight 1.
     #[inline]
     pub fn push(&mut self, v: &UncertainVector) {

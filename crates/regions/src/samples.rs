@@ -1,0 +1,175 @@
+//! Some points of each cell.
+
+/// So many points of a cell are kept at most.
+const MOST: usize = 16;
+
+/// A sample of the points of each cell, by which points are told apart without all of them being kept.
+///
+/// Which points are in the sample of a cell depends on where its points are, not on their order: it is those whose scrambled places
+/// are below a threshold, which is halved until no more than sixteen are left. So samples of parts of the points, cell by cell,
+/// [merge](Self::merge) into that of all. Cells of up to sixteen points have all of them.
+///
+/// ```
+/// use terrace_regions::Samples;
+///
+/// let mut samples = Samples::default();
+/// for k in 0..100 {
+///     samples.push(0, [0.01 * k as f32, 0.0, 0.0]);
+/// }
+/// samples.push(3, [0.5; 3]);
+/// assert!((1..=16).contains(&samples.of(0).len()));
+/// assert_eq!(samples.of(1), [[0.0_f32; 3]; 0]);
+/// assert_eq!(samples.of(3), [[0.5; 3]]);
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Samples {
+    cells: Vec<Kept>,
+    places: Vec<[[f32; 3]; MOST]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    count: u8,
+    /// Halvings of the threshold.
+    halvings: u8,
+    /// Scrambled places up to here are in the sample.
+    threshold: u32,
+}
+
+impl Kept {
+    const NONE: Self = Self { count: 0, halvings: 0, threshold: u32::MAX };
+}
+
+impl Samples {
+    /// Adds a point of a cell by its place from the anchor of the cell's sums, in metres.
+    #[inline]
+    pub fn push(&mut self, cell: u32, place: [f32; 3]) {
+        let at = cell as usize;
+        if at >= self.cells.len() {
+            self.cells.resize(at + 1, Kept::NONE);
+            self.places.resize(at + 1, [[0.0; 3]; MOST]);
+        }
+        let scrambled = scrambled(place);
+        let kept = &mut self.cells[at];
+        if scrambled > kept.threshold {
+            return;
+        }
+        let places = &mut self.places[at];
+        while usize::from(kept.count) == MOST && scrambled <= kept.threshold && kept.halvings < 31 {
+            kept.halve(places);
+        }
+        if scrambled <= kept.threshold
+            && let Some(free) = places.get_mut(usize::from(kept.count))
+        {
+            *free = place;
+            kept.count += 1;
+        }
+    }
+
+    /// The sample of a cell; empty for a cell without points.
+    pub fn of(&self, cell: u32) -> &[[f32; 3]] {
+        let at = cell as usize;
+        match (self.places.get(at), self.cells.get(at)) {
+            (Some(places), Some(kept)) => places.get(..usize::from(kept.count)).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
+    pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
+        let Some(theirs) = other.cells.get(of as usize) else { return };
+        for place in other.of(of) {
+            self.push(cell, *place);
+        }
+        // What the others left out is left out of the whole.
+        if let (Some(kept), Some(places)) = (self.cells.get_mut(cell as usize), self.places.get_mut(cell as usize)) {
+            while kept.halvings < theirs.halvings {
+                kept.halve(places);
+            }
+        }
+    }
+}
+
+impl Kept {
+    fn halve(&mut self, places: &mut [[f32; 3]; MOST]) {
+        self.halvings += 1;
+        self.threshold = u32::MAX >> self.halvings;
+        let mut count = 0;
+        for at in 0..usize::from(self.count) {
+            if scrambled(places[at]) <= self.threshold {
+                places[usize::from(count)] = places[at];
+                count += 1;
+            }
+        }
+        self.count = count;
+    }
+}
+
+/// A number that looks drawn at random, and is the same for the same place.
+#[inline]
+fn scrambled([x, y, z]: [f32; 3]) -> u32 {
+    let mix = u64::from(x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        ^ u64::from(y.to_bits()).wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(23)
+        ^ u64::from(z.to_bits()).wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(41);
+    // The upper half.
+    (((mix ^ mix >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)) >> 32) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sorted(samples: &Samples, cell: u32) -> Vec<[u32; 3]> {
+        let mut places: Vec<[u32; 3]> = samples.of(cell).iter().map(|p| p.map(f32::to_bits)).collect();
+        places.sort_unstable();
+        places
+    }
+
+    fn all(places: &[[f32; 3]]) -> Samples {
+        let mut samples = Samples::default();
+        places.iter().for_each(|place| samples.push(0, *place));
+        samples
+    }
+
+    #[test]
+    fn one_place_again_and_again_is_not_kept_without_end() {
+        assert!(all(&[[0.25; 3]; 1000]).of(0).len() <= MOST);
+    }
+
+    #[test]
+    fn samples_are_drawn_evenly() {
+        let place = |k: usize| [0.618_034, 0.754_878, 0.569_84].map(|by| (k as f32 * by).fract() - 0.5);
+        let mut halves = [0; 2];
+        for cell in 0..500 {
+            let places: Vec<[f32; 3]> = (0..100).map(|k| place(100 * cell + k)).collect();
+            let samples = all(&places);
+            assert!(samples.of(0).len() <= MOST);
+            halves[0] += samples.of(0).len();
+            halves[1] += samples.of(0).iter().filter(|p| p[0] < 0.0).count();
+        }
+        // About half the room is taken, and half of the points have a coordinate below 0.
+        assert!((4500..7500).contains(&halves[0]), "{halves:?}");
+        let share = halves[1] as f64 / halves[0] as f64;
+        assert!((share - 0.5).abs() < 4.0 * 0.5 / (halves[0] as f64).sqrt(), "{halves:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn neither_order_nor_parts_matter(
+            places in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f32), 0..200),
+            cut in 0..200_usize,
+        ) {
+            let whole = all(&places);
+            if places.len() <= MOST {
+                prop_assert_eq!(whole.of(0).len(), places.len());
+            }
+            let backwards: Vec<[f32; 3]> = places.iter().rev().copied().collect();
+            prop_assert_eq!(sorted(&all(&backwards), 0), sorted(&whole, 0));
+            let (one, other) = places.split_at(cut.min(places.len()));
+            let mut merged = all(one);
+            merged.merge(0, &all(other), 0);
+            prop_assert_eq!(sorted(&merged, 0), sorted(&whole, 0));
+        }
+    }
+}
