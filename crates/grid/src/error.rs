@@ -52,6 +52,14 @@ pub enum GridError {
         /// Number of cells held.
         cells: usize,
     },
+    /// There are errors for another number of points.
+    #[error("there are {errors} errors for {points} points")]
+    Lengths {
+        /// Number of points.
+        points: usize,
+        /// Number of errors.
+        errors: usize,
+    },
     /// Only grids with the same cell size can be merged.
     #[error("a grid of {theirs} m cells cannot be merged into one of {ours} m cells")]
     SizesDiffer {

@@ -35,15 +35,24 @@
 //! further than [`MAX_INDEX`] voxels from the origin: see [`GridError`]. Nothing panics on such input, and a refused
 //! point leaves the grid as it was. A grid holds at most 2³² − 2 cells.
 
+mod assignment;
+mod block;
+mod bulk;
+mod cell;
 mod dense;
 mod error;
 mod grid;
+mod insert;
 mod key;
 mod neighbourhood;
+mod part;
 
+pub use assignment::Assignment;
+pub use bulk::{PointErrors, Taken};
+pub use cell::{Cell, CellId};
 pub use dense::{Connectivity, DenseCells};
 pub use error::GridError;
-pub use grid::{Assignment, Cell, CellId, VoxelGrid};
+pub use grid::VoxelGrid;
 pub use key::{MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE, VoxelKey, validate_cell_size};
 pub use neighbourhood::Walk;
 

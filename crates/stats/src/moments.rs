@@ -1,6 +1,6 @@
 //! The sums themselves.
 
-use crate::{SymmetricMatrix3, UncertainVector};
+use crate::{Run, SymmetricMatrix3, UncertainVector};
 
 /// Sums over uncertain vectors `pᵢ` with standard errors `εᵢ` and weights `wᵢ`, about the origin of their coordinates.
 ///
@@ -66,6 +66,18 @@ impl Moments {
         self.noise += *covariance;
         for i in 0..3 {
             self.sum[i] += value[i];
+        }
+    }
+
+    /// Adds the vectors of a run, each with weight 1. `noise` is the sum of the covariances of their errors.
+    #[inline]
+    pub fn push_run(&mut self, run: &Run, noise: &SymmetricMatrix3) {
+        self.count = self.count.saturating_add(run.count);
+        self.weight += run.count as f64;
+        self.second += SymmetricMatrix3(run.second);
+        self.noise += *noise;
+        for i in 0..3 {
+            self.sum[i] += run.sum[i];
         }
     }
 

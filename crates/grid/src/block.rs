@@ -1,0 +1,56 @@
+//! Blocks of 8×8×8 voxels.
+
+use std::hash::{BuildHasher, Hash, Hasher};
+
+use foldhash::fast::FixedState;
+
+use crate::VoxelKey;
+
+/// Voxels along an edge of a block, as a power of two.
+const BITS: u32 = 3;
+
+/// Voxels of a block.
+pub(crate) const VOXELS: usize = 1 << (3 * BITS);
+
+/// Parts of a grid. Each block is of one of them, told by its key.
+pub(crate) const PARTS: usize = 64;
+
+/// Index of a block along x, y and z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct BlockKey([i32; 3]);
+
+impl BlockKey {
+    /// The block of a voxel.
+    #[inline]
+    pub(crate) fn of(key: VoxelKey) -> Self {
+        Self(key.map(|k| k >> BITS))
+    }
+
+    /// The same for every grid and every run.
+    #[inline]
+    pub(crate) fn hash(self) -> u64 {
+        FixedState::default().hash_one(self)
+    }
+}
+
+impl Hash for BlockKey {
+    #[inline]
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let [x, y, z] = self.0.map(i32::cast_unsigned);
+        state.write_u64(u64::from(x) << 32 | u64::from(y));
+        state.write_u32(z);
+    }
+}
+
+/// The part a block of this hash is of. The lowest and the highest bits tell its place in a table.
+#[inline]
+pub(crate) fn part_of(hash: u64) -> usize {
+    (hash >> 40) as usize % PARTS
+}
+
+/// The place of a voxel in its block.
+#[inline]
+pub(crate) fn place_of(key: VoxelKey) -> usize {
+    let [x, y, z] = key.map(|k| k.cast_unsigned() as usize % (1 << BITS));
+    (x << BITS | y) << BITS | z
+}

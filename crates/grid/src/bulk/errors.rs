@@ -1,0 +1,129 @@
+//! The errors of many points.
+
+use std::ops::Range;
+
+use terrace_stats::{SymmetricMatrix3, UncertainVector};
+
+use crate::{CellId, GridError, VoxelGrid};
+
+/// The errors of points that are inserted together, in metres.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum PointErrors<'a> {
+    /// Not known: taken as 0.
+    #[default]
+    None,
+    /// The same standard error along every axis, for all points.
+    Same(f64),
+    /// The same standard error along every axis, for each point.
+    Each(&'a [f64]),
+    /// Standard errors along x, y and z, for each point.
+    Axes(&'a [[f64; 3]]),
+    /// A covariance (xx, xy, xz, yy, yz, zz) in m², for each point.
+    Covariances(&'a [[f64; 6]]),
+}
+
+impl PointErrors<'_> {
+    /// For how many points there are errors; `None` if for any number.
+    pub(super) fn len(&self) -> Option<usize> {
+        match self {
+            Self::None | Self::Same(_) => None,
+            Self::Each(sigmas) => Some(sigmas.len()),
+            Self::Axes(sigmas) => Some(sigmas.len()),
+            Self::Covariances(covariances) => Some(covariances.len()),
+        }
+    }
+
+    /// Those of some of the points.
+    pub(super) fn part(&self, range: Range<usize>) -> Self {
+        match *self {
+            Self::None | Self::Same(_) => *self,
+            Self::Each(sigmas) => Self::Each(&sigmas[range]),
+            Self::Axes(sigmas) => Self::Axes(&sigmas[range]),
+            Self::Covariances(covariances) => Self::Covariances(&covariances[range]),
+        }
+    }
+
+    /// Whether all can be used.
+    pub(super) fn are_valid(&self) -> bool {
+        match self {
+            Self::None => true,
+            Self::Same(sigma) => is_error(*sigma),
+            Self::Each(sigmas) => sigmas.iter().all(|sigma| is_error(*sigma)),
+            Self::Axes(sigmas) => sigmas.as_flattened().iter().all(|sigma| is_error(*sigma)),
+            Self::Covariances(covariances) => covariances.iter().all(is_covariance),
+        }
+    }
+
+    /// Why the error of a point cannot be used.
+    pub(super) fn refusal(&self, at: usize) -> Option<GridError> {
+        if let Self::Covariances(all) = self {
+            let covariance = all[at];
+            return (!is_covariance(&covariance)).then_some(GridError::Covariance { covariance });
+        }
+        let error = self.of(at);
+        (!error.iter().all(|e| is_error(*e))).then_some(GridError::StandardError { error })
+    }
+
+    /// Sum of the covariances of the errors of some of the points.
+    #[inline]
+    pub(super) fn noise(&self, range: Range<usize>) -> SymmetricMatrix3 {
+        match *self {
+            Self::None => SymmetricMatrix3::ZERO,
+            Self::Same(sigma) => SymmetricMatrix3::diagonal([sigma * sigma * range.len() as f64; 3]),
+            Self::Each(sigmas) => {
+                SymmetricMatrix3::diagonal([sigmas[range].iter().map(|sigma| sigma * sigma).sum(); 3])
+            }
+            Self::Axes(sigmas) => {
+                let mut sum = [0.0; 3];
+                for sigma in &sigmas[range] {
+                    for i in 0..3 {
+                        sum[i] += sigma[i] * sigma[i];
+                    }
+                }
+                SymmetricMatrix3::diagonal(sum)
+            }
+            Self::Covariances(covariances) => {
+                let mut sum = SymmetricMatrix3::ZERO;
+                for covariance in &covariances[range] {
+                    sum += SymmetricMatrix3(*covariance);
+                }
+                sum
+            }
+        }
+    }
+
+    /// Adds one point.
+    pub(super) fn insert(
+        &self,
+        grid: &mut VoxelGrid,
+        point: [f64; 3],
+        at: usize,
+    ) -> Result<CellId, GridError> {
+        match self {
+            Self::Covariances(all) => grid.insert_covariant(point, &SymmetricMatrix3(all[at])),
+            _ => grid.insert(&UncertainVector { value: point, error: self.of(at) }),
+        }
+    }
+
+    /// The standard errors of a point.
+    fn of(&self, at: usize) -> [f64; 3] {
+        match self {
+            Self::None => [0.0; 3],
+            Self::Same(sigma) => [*sigma; 3],
+            Self::Each(sigmas) => [sigmas[at]; 3],
+            Self::Axes(sigmas) => sigmas[at],
+            Self::Covariances(all) => SymmetricMatrix3(all[at]).diagonal_entries().map(f64::sqrt),
+        }
+    }
+}
+
+#[inline]
+fn is_error(sigma: f64) -> bool {
+    (0.0..f64::INFINITY).contains(&sigma)
+}
+
+#[inline]
+fn is_covariance(covariance: &[f64; 6]) -> bool {
+    let [xx, _, _, yy, _, zz] = *covariance;
+    covariance.iter().all(|c| c.is_finite()) && xx >= 0.0 && yy >= 0.0 && zz >= 0.0
+}

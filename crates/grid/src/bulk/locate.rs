@@ -1,0 +1,52 @@
+//! The voxels of many points.
+
+use crate::{MAX_INDEX, VoxelKey};
+
+/// Points whose voxels are found at once: their lists stay in the nearest cache.
+pub(super) const BATCH: usize = 128;
+
+/// The key of a point that is in no voxel.
+pub(super) const NOWHERE: VoxelKey = [i32::MAX; 3];
+
+/// Numbers up to 2⁵¹ become integers when this is added, rounded to the nearest, with the integer in the lowest bits.
+const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// The voxels of up to [`BATCH`] points, and where the points are from their centres.
+pub(super) struct Located {
+    /// What is out of range has any key.
+    pub(super) keys: [VoxelKey; BATCH],
+    pub(super) places: [[f32; 3]; BATCH],
+}
+
+impl Located {
+    pub(super) fn new() -> Self {
+        Self { keys: [NOWHERE; BATCH], places: [[0.0; 3]; BATCH] }
+    }
+
+    /// Looks at some points; tells whether all are in range.
+    ///
+    /// The voxel is that of the quotient as computed, rounded down: `x * (1 / size)` would be another number on the faces
+    /// of voxels. There is no call and no branch in the loop, so that several coordinates are done at a time, with any
+    /// instruction set; the result is exact, so the same with each.
+    #[inline]
+    pub(super) fn locate(&mut self, points: &[[f64; 3]], size: f64) -> bool {
+        let keys = self.keys.as_flattened_mut().iter_mut();
+        let places = self.places.as_flattened_mut().iter_mut();
+        let mut inside = true;
+        for ((x, key), place) in points.as_flattened().iter().zip(keys).zip(places) {
+            let quotient = x / size;
+            let nearest = (quotient + ROUNDING) - ROUNDING;
+            let floor = nearest - if nearest > quotient { 1.0 } else { 0.0 };
+            inside &= floor.abs() <= f64::from(MAX_INDEX);
+            // The lowest bits are the integer.
+            #[allow(clippy::cast_possible_truncation)]
+            let index = (floor + ROUNDING).to_bits() as u32;
+            *key = index.cast_signed();
+            // A thousandth of a per mille of a cell is enough.
+            #[allow(clippy::cast_possible_truncation)]
+            let rounded = (x - (floor + 0.5) * size) as f32;
+            *place = rounded;
+        }
+        inside
+    }
+}

@@ -1,0 +1,221 @@
+//! Many points at once.
+
+mod add;
+mod errors;
+mod locate;
+mod runs;
+
+use rayon::prelude::*;
+
+use self::add::Share;
+pub use self::errors::PointErrors;
+use self::runs::{SECTION, Section};
+use crate::block::PARTS;
+use crate::cell::CellId;
+use crate::grid::{Home, MOST_CELLS};
+use crate::{Assignment, GridError, VoxelGrid};
+
+/// Points of a chunk. The larger, the more often a cell of shuffled points is met while it is in the cache.
+const CHUNK: usize = 1 << 20;
+
+/// What became of points that were inserted together.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Taken {
+    /// Points that are now in the grid.
+    pub points: usize,
+    /// Points left out because a coordinate is NaN or infinite: absent measurements.
+    pub not_finite: usize,
+    /// Points left out for another reason: see [`VoxelGrid::insert`].
+    pub refused: usize,
+    /// The reason for the first of them.
+    pub first_refusal: Option<GridError>,
+}
+
+impl Taken {
+    fn add(&mut self, later: &Self) {
+        self.points += later.points;
+        self.not_finite += later.not_finite;
+        self.refused += later.refused;
+        self.first_refusal = self.first_refusal.or(later.first_refusal);
+    }
+}
+
+impl VoxelGrid {
+    /// Adds points with weight 1, faster than one by one and on all threads of the rayon pool, and appends the cell of each
+    /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the centre of its voxel (of
+    /// its cell, with [`Assignment::ExpectedDistance`]), 0 if it was refused.
+    ///
+    /// Cells and their identities are those of [`VoxelGrid::insert`] point by point; sums are the same up to rounding, and
+    /// to the bit on any number of threads. [`Assignment::ExpectedDistance`] depends on the order of points, which are then
+    /// inserted one by one.
+    ///
+    /// ```
+    /// use terrace_grid::{Assignment, PointErrors, VoxelGrid};
+    ///
+    /// let points = [[0.01, 0.02, 0.0], [0.03, 0.02, 0.0], [f64::NAN; 3], [0.11, 0.02, 0.0]];
+    /// let mut grid = VoxelGrid::new(0.1, Assignment::Voxel)?;
+    /// let mut cells = Vec::new();
+    /// let taken = grid.insert_all(&points, PointErrors::Same(0.005), &mut cells, None)?;
+    /// assert_eq!((taken.points, taken.not_finite, grid.len()), (3, 1, 2));
+    /// assert_eq!(cells[0], cells[1]);
+    /// assert_eq!(cells[2], None);
+    /// # Ok::<(), terrace_grid::GridError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GridError::Lengths`] when there are not as many errors as points; nothing is changed then.
+    pub fn insert_all(
+        &mut self,
+        points: &[[f64; 3]],
+        errors: PointErrors<'_>,
+        cells: &mut Vec<Option<CellId>>,
+        mut places: Option<&mut Vec<[f32; 3]>>,
+    ) -> Result<Taken, GridError> {
+        if let Some(errors) = errors.len().filter(|errors| *errors != points.len()) {
+            return Err(GridError::Lengths { points: points.len(), errors });
+        }
+        let first = cells.len();
+        cells.resize(first + points.len(), None);
+        let mut cells = cells[first..].chunks_mut(CHUNK);
+        let mut places = places.as_mut().map(|places| {
+            let first = places.len();
+            places.resize(first + points.len(), [0.0; 3]);
+            places[first..].chunks_mut(CHUNK)
+        });
+        let mut taken = Taken::default();
+        let mut sections = Vec::new();
+        for (chunk, points) in points.chunks(CHUNK).enumerate() {
+            let begin = chunk * CHUNK;
+            let chunk = Chunk { points, errors: errors.part(begin..begin + points.len()) };
+            let cells = cells.next().unwrap_or_default();
+            let places = places.as_mut().and_then(Iterator::next);
+            // Where cells may run out, the first points get them, as one by one.
+            let room = self.len() + points.len() <= MOST_CELLS;
+            taken.add(&if self.assignment == Assignment::Voxel && room {
+                self.insert_chunk(&chunk, &mut sections, cells, places)
+            } else {
+                self.insert_each(&chunk, cells, places)
+            });
+        }
+        Ok(taken)
+    }
+
+    /// One by one.
+    fn insert_each(
+        &mut self,
+        chunk: &Chunk<'_>,
+        cells: &mut [Option<CellId>],
+        mut places: Option<&mut [[f32; 3]]>,
+    ) -> Taken {
+        let mut taken = Taken::default();
+        for (at, (point, of_point)) in chunk.points.iter().zip(cells).enumerate() {
+            if !point.iter().all(|x| x.is_finite()) {
+                taken.not_finite += 1;
+                continue;
+            }
+            match chunk.errors.insert(self, *point, at) {
+                Err(refusal) => taken.refuse(refusal),
+                Ok(cell) => {
+                    taken.points += 1;
+                    *of_point = Some(cell);
+                    if let (Some(places), Some(cell)) = (&mut places, self.get(cell)) {
+                        let centre = cell.centre();
+                        // A thousandth of a per mille of a cell is enough.
+                        #[allow(clippy::cast_possible_truncation)]
+                        let place = [0, 1, 2].map(|i| (point[i] - centre[i]) as f32);
+                        places[at] = place;
+                    }
+                }
+            }
+        }
+        taken
+    }
+
+    /// In three steps, each parallel, with the same result on any number of threads: what is split among them does not
+    /// depend on their number, and each cell is of one part, which adds its runs in the order of the points.
+    fn insert_chunk(
+        &mut self,
+        chunk: &Chunk<'_>,
+        sections: &mut Vec<Section>,
+        cells: &mut [Option<CellId>],
+        places: Option<&mut [[f32; 3]]>,
+    ) -> Taken {
+        let Chunk { points, errors } = *chunk;
+        let size = self.size;
+        let of_sections = points.chunks(SECTION);
+        sections.resize_with(of_sections.len(), Section::default);
+        let mut places = places.map(|places| places.chunks_mut(SECTION));
+        let mut finding: Vec<_> = sections
+            .iter_mut()
+            .zip(of_sections)
+            .map(|(section, points)| (section, points, places.as_mut().and_then(Iterator::next)))
+            .collect();
+        finding.par_iter_mut().enumerate().for_each(|(at, (section, points, places))| {
+            let begin = at * SECTION;
+            section.find(points, &errors.part(begin..begin + points.len()), size, places.as_deref_mut());
+        });
+
+        let mut shares: Vec<Share<'_>> = Vec::new();
+        shares.resize_with(PARTS, Share::default);
+        for section in sections.iter_mut() {
+            for (share, runs) in shares.iter_mut().zip(section.parts_mut()) {
+                share.runs.push(runs);
+            }
+        }
+        let with_parts = shares.par_iter_mut().zip(&mut self.parts);
+        with_parts.for_each(|(share, part)| share.add(part, points, &errors, size));
+        let founded: Vec<Vec<u32>> = shares.into_iter().map(|share| share.founded).collect();
+        self.number(&founded, points.len());
+
+        let parts = &self.parts;
+        sections.par_iter().zip(cells.par_chunks_mut(SECTION)).for_each(|(section, cells)| {
+            for (runs, part) in section.parts().zip(parts) {
+                for run in runs {
+                    cells[run.points()].fill(part.ids.get(run.slot as usize).copied());
+                }
+            }
+        });
+        let mut taken = Taken::default();
+        for section in sections.iter() {
+            taken.add(&section.taken);
+        }
+        taken.points = points.len() - taken.not_finite - taken.refused;
+        taken
+    }
+
+    /// Numbers the new cells of each part in the order of their first points.
+    fn number(&mut self, founded: &[Vec<u32>], points: usize) {
+        // Which points found a cell, 64 to a word, and how many did before each word.
+        let mut founders = vec![0_u64; points.div_ceil(64)];
+        for point in founded.iter().flatten() {
+            founders[*point as usize / 64] |= 1 << (point % 64);
+        }
+        let mut cells = self.homes.len();
+        let mut before = Vec::with_capacity(founders.len());
+        for word in &founders {
+            before.push(cells);
+            cells += word.count_ones() as usize;
+        }
+        self.homes.resize(cells, Home::default());
+        for ((number, part), founded) in (0..).zip(&mut self.parts).zip(founded) {
+            for point in founded {
+                let word = *point as usize / 64;
+                let earlier = founders[word] & ((1 << (point % 64)) - 1);
+                let index = before[word] + earlier.count_ones() as usize;
+                // There is room for a cell for each point.
+                let Some(id) = CellId::from_index(index) else { continue };
+                // As many slots as identities.
+                #[allow(clippy::cast_possible_truncation)]
+                let slot = part.ids.len() as u32;
+                part.ids.push(id);
+                self.homes[index] = Home { part: number, slot };
+            }
+        }
+    }
+}
+
+/// Points that go through the steps together.
+struct Chunk<'a> {
+    points: &'a [[f64; 3]],
+    errors: PointErrors<'a>,
+}
