@@ -40,8 +40,13 @@ impl Ablation {
 
     /// The heading of the table.
     pub fn heading() -> String {
-        let steps: Vec<String> = RegionStep::ALL.iter().map(|step| format!("no {step:?}").to_lowercase()).collect();
-        format!("| scene | all steps | {} |\n|---|---|{}", steps.join(" | "), "---|".repeat(RegionStep::ALL.len()))
+        let steps: Vec<String> =
+            RegionStep::ALL.iter().map(|step| format!("no {step:?}").to_lowercase()).collect();
+        format!(
+            "| scene | all steps | {} |\n|---|---|{}",
+            steps.join(" | "),
+            "---|".repeat(RegionStep::ALL.len())
+        )
     }
 
     /// A row: F1 and cover with all steps, then how far both fall without each; empty where neither changes by a thousandth.

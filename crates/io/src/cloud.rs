@@ -6,6 +6,9 @@ pub(crate) mod records;
 
 use terrace_types::{Pose, Sigma};
 
+/// A point of a text needs at least `0 0 0` and a line end.
+pub(crate) const LEAST_BYTES_OF_A_LINE: usize = 6;
+
 /// The points of one file, in file order and as they stand there, with what the file says of their errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {

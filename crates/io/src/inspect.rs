@@ -4,7 +4,7 @@ use std::path::Path;
 
 use terrace_types::{Pose, Sigma};
 
-use crate::read::{Content, load, parse};
+use crate::content::Content;
 use crate::spacing::{bounds, spacing};
 use crate::{ReadError, ReadErrorKind, ReadOptions};
 
@@ -46,12 +46,15 @@ impl Info {
 /// [`ReadError`] naming the file.
 pub fn inspect(path: &Path, options: &ReadOptions) -> Result<Info, ReadError> {
     let info = || {
-        Ok(match parse(path, &load(path)?, &options.errors)? {
-            Content::Cloud(cloud) => Info {
-                sigma: sigma_range(&cloud.sigma, &cloud.points),
-                viewpoint: cloud.viewpoint,
-                ..of_points(cloud.format, &cloud.points)
-            },
+        Ok(match Content::open(path, &options.errors)? {
+            Content::Cloud(points) => {
+                let cloud = points.cloud()?;
+                Info {
+                    sigma: sigma_range(&cloud.sigma, &cloud.points),
+                    viewpoint: cloud.viewpoint,
+                    ..of_points(cloud.format, &cloud.points)
+                }
+            }
             Content::Depth(image) => {
                 let format = "PNG 16-bit depth";
                 let placed = match options.intrinsics {

@@ -56,7 +56,9 @@
 
 mod atomic;
 mod by_model;
+mod bytes;
 mod cloud;
+mod content;
 pub mod depth;
 mod detect;
 mod file;
@@ -72,6 +74,7 @@ pub mod ply;
 mod ply_out;
 pub mod pose_noise;
 mod read;
+mod scan_reader;
 pub mod source;
 mod spacing;
 pub mod text;
@@ -88,6 +91,7 @@ pub use labels::write_labels_npy;
 pub use natural::natural_order;
 pub use ply_out::{LabelledPoint, MeasuredPoint, PlyExtent, write_labelled_ply, write_measured_ply};
 pub use read::{Counted, ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_counted, read_scan};
+pub use scan_reader::ScanReader;
 pub use source::{Source, SourceError, find_sources, find_uncertain_sources};
 
 #[cfg(doctest)]

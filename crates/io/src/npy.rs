@@ -16,12 +16,13 @@
 //! ```
 
 mod header;
-
-use terrace_types::Sigma;
+mod points;
 
 use crate::Cloud;
-use crate::cloud::records::{ByteOrder, Column, Scalar, gather};
+use crate::bytes::{Bytes, Failure, place};
+use crate::cloud::records::{ByteOrder, Column, Scalar, fill};
 use header::Header;
+pub(crate) use points::Points;
 
 /// Why an NPY file was refused. Offsets are in bytes from the start of the file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -102,6 +103,12 @@ pub enum NpyError {
 struct Array<'a> {
     bytes: &'a [u8],
     order: ByteOrder,
+    layout: Layout,
+}
+
+/// The points of an array, row by row.
+#[derive(Debug, Clone, Copy)]
+struct Layout {
     rows: usize,
     columns: usize,
     fortran: bool,
@@ -111,32 +118,20 @@ struct Array<'a> {
 ///
 /// # Errors
 /// [`NpyError`] when the file is no whole NPY file or its array is not of points.
-pub fn read(bytes: &[u8]) -> Result<Cloud, NpyError> {
-    let header = header::parse(bytes)?;
-    let scalar = float(&header)?;
-    let (rows, columns) = match header.shape[..] {
-        [points, 3] => (points, 1),
-        [height, width, 3] => (height, width),
-        _ => return Err(NpyError::Shape { shape: header.shape, expected: "(N, 3) or (H, W, 3)" }),
-    };
-    let array = array(bytes, &header, scalar, rows, columns, 3)?;
-    let (count, size) = (array.rows * array.columns, scalar.size());
-    let columns = [0, 1, 2].map(|axis| Column {
-        bytes: array.bytes,
-        stride: if array.fortran { size } else { 3 * size },
-        offset: if array.fortran { axis * count * size } else { axis * size },
-        scalar,
-    });
-    let points = array.in_rows(gather(columns, array.order, count));
-    Ok(Cloud { points, sigma: Sigma::Unknown, viewpoint: None, format: "NPY" })
+pub fn read(mut bytes: &[u8]) -> Result<Cloud, NpyError> {
+    let mut points = Points::open(&mut bytes).map_err(Failure::content)?;
+    points.read(&mut bytes, usize::MAX).map_err(Failure::content)?;
+    let format = points.format();
+    let (points, sigma) = points.rows.take();
+    Ok(Cloud { points, sigma, viewpoint: None, format })
 }
 
 /// Reads labels from an array of `N` or `H × W` whole numbers of any width that fit 32 bits.
 ///
 /// # Errors
 /// [`NpyError`] when the file is no whole NPY file, its array is not of labels, or a label does not fit.
-pub fn read_labels(bytes: &[u8]) -> Result<Vec<i32>, NpyError> {
-    let header = header::parse(bytes)?;
+pub fn read_labels(mut bytes: &[u8]) -> Result<Vec<i32>, NpyError> {
+    let header = header::parse(&mut bytes).map_err(Failure::content)?;
     let integer = header.scalar.filter(|scalar| scalar.is_integer());
     let scalar = integer.ok_or_else(|| wrong_type(&header, "whole numbers (i1 to i8, u1 to u8)"))?;
     let array = flat(bytes, &header, scalar)?;
@@ -149,7 +144,7 @@ pub fn read_labels(bytes: &[u8]) -> Result<Vec<i32>, NpyError> {
             i32::try_from(value).map_err(|_| NpyError::Label { point, value })
         })
         .collect();
-    Ok(array.in_rows(labels?))
+    Ok(array.layout.in_rows(labels?))
 }
 
 /// Reads one number per point, such as its standard error, from an array of `N` or `H × W` numbers in single or double
@@ -157,18 +152,24 @@ pub fn read_labels(bytes: &[u8]) -> Result<Vec<i32>, NpyError> {
 ///
 /// # Errors
 /// [`NpyError`] when the file is no whole NPY file or its array is of another kind.
-pub fn read_scalars(bytes: &[u8]) -> Result<Vec<f64>, NpyError> {
-    let header = header::parse(bytes)?;
+pub fn read_scalars(mut bytes: &[u8]) -> Result<Vec<f64>, NpyError> {
+    let header = header::parse(&mut bytes).map_err(Failure::content)?;
     let scalar = float(&header)?;
     let array = flat(bytes, &header, scalar)?;
     let column = Column { bytes: array.bytes, stride: scalar.size(), offset: 0, scalar };
-    let numbers = gather([column], array.order, array.rows * array.columns);
-    Ok(array.in_rows(numbers.into_iter().map(|[number]| number).collect()))
+    let mut numbers = vec![f64::NAN; array.layout.count()];
+    fill(numbers.as_chunks_mut::<1>().0, 0, column, array.order);
+    Ok(array.layout.in_rows(numbers))
 }
 
-impl Array<'_> {
+impl Layout {
+    /// Number of points.
+    fn count(self) -> usize {
+        self.rows * self.columns
+    }
+
     /// Values in file order put in C order, point by point.
-    fn in_rows<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
+    fn in_rows<T: Copy>(self, values: Vec<T>) -> Vec<T> {
         // An empty array may still have rows without end.
         if !self.fortran || values.is_empty() {
             return values;
@@ -197,29 +198,30 @@ fn flat<'a>(bytes: &'a [u8], header: &Header, scalar: Scalar) -> Result<Array<'a
         [height, width] => (height, width),
         _ => return Err(NpyError::Shape { shape: header.shape.clone(), expected: "(N,) or (H, W)" }),
     };
-    array(bytes, header, scalar, rows, columns, 1)
+    let layout = layout(&bytes, header, scalar, [rows, columns], 1)?;
+    let numbers = bytes.get(place(header.body)..).unwrap_or_default();
+    let numbers = numbers.get(..layout.count() * scalar.size()).unwrap_or(numbers);
+    Ok(Array { bytes: numbers, order: header.order, layout })
 }
 
-/// Holds the shape against the bytes there are.
-fn array<'a>(
-    bytes: &'a [u8],
+/// Holds rows and columns of so many `numbers` a point against the bytes there are.
+fn layout<B: Bytes>(
+    bytes: &B,
     header: &Header,
     scalar: Scalar,
-    rows: u64,
-    columns: u64,
+    [rows, columns]: [u64; 2],
     numbers: usize,
-) -> Result<Array<'a>, NpyError> {
-    let rest = bytes.get(header.body..).unwrap_or_default();
+) -> Result<Layout, NpyError> {
+    let present = bytes.left(header.body);
     let whole = || {
         let (rows, columns) = (usize::try_from(rows).ok()?, usize::try_from(columns).ok()?);
         let size = rows.checked_mul(columns)?.checked_mul(numbers)?.checked_mul(scalar.size())?;
-        let (order, fortran) = (header.order, header.fortran);
-        Some(Array { bytes: rest.get(..size)?, order, rows, columns, fortran })
+        (size <= present).then_some(Layout { rows, columns, fortran: header.fortran })
     };
     whole().ok_or_else(|| NpyError::Truncated {
         shape: header.shape.clone(),
         size: scalar.size(),
-        offset: header.body,
-        present: rest.len(),
+        offset: place(header.body),
+        present,
     })
 }

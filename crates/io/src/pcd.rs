@@ -31,13 +31,14 @@ mod ascii;
 mod binary;
 mod header;
 mod lzf;
+mod points;
 
 use terrace_types::PoseError;
 
-use crate::cloud::fields::{Missing, Wanted};
+use crate::bytes::Failure;
 use crate::{Cloud, FieldChoice};
-use header::{Data, PADDING};
 pub use lzf::LzfError;
+pub(crate) use points::Points;
 
 /// Why a PCD file was refused. Lines are counted from 1, offsets in bytes from the start of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -204,27 +205,10 @@ pub enum PcdError {
 ///
 /// # Errors
 /// [`PcdError`] when the file is not a whole PCD file with points, or has no field for the errors that were asked for.
-pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, PcdError> {
-    let header = header::parse(bytes)?;
-    let names: Vec<&str> = header.fields.iter().map(|field| field.name.as_str()).collect();
-    let wanted = Wanted::find(&names, errors_from)
-        .map_err(|Missing { name, fields }| PcdError::MissingField { name, fields })?;
-    let unusable = |index: usize| {
-        header.fields.get(index).filter(|f| f.name == PADDING || f.count != 1 || f.scalar().is_none())
-    };
-    if let Some(field) = wanted.indices().find_map(unusable) {
-        let (name, kind) = (field.name.clone(), char::from(field.kind));
-        return Err(PcdError::FieldType { name, kind, size: field.size, count: field.count });
-    }
-    let (points, sigma) = match header.data {
-        Data::Ascii => ascii::read(bytes, &header, wanted)?,
-        Data::Binary => binary::read(bytes, &header, wanted)?,
-        Data::Compressed => binary::read_compressed(bytes, &header, wanted)?,
-    };
-    let format = match header.data {
-        Data::Ascii => "PCD ascii",
-        Data::Binary => "PCD binary",
-        Data::Compressed => "PCD binary_compressed",
-    };
-    Ok(Cloud { points, sigma, viewpoint: header.viewpoint, format })
+pub fn read(mut bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, PcdError> {
+    let mut points = Points::open(&mut bytes, errors_from).map_err(Failure::content)?;
+    points.read(&mut bytes, usize::MAX).map_err(Failure::content)?;
+    let (format, viewpoint) = (points.format(), points.viewpoint());
+    let (points, sigma) = points.rows.take();
+    Ok(Cloud { points, sigma, viewpoint, format })
 }

@@ -23,11 +23,11 @@
 mod ascii;
 mod binary;
 mod header;
+mod points;
 
-use crate::cloud::fields::{Missing, Wanted};
-use crate::cloud::records::ByteOrder;
+use crate::bytes::Failure;
 use crate::{Cloud, FieldChoice};
-use header::{Encoding, Kind};
+pub(crate) use points::Points;
 
 /// Why a PLY file was refused. Lines are counted from 1, records from 0, offsets in bytes from the start of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -172,26 +172,10 @@ pub enum PlyError {
 ///
 /// # Errors
 /// [`PlyError`] when the file is not a whole PLY file with points, or has no field for the errors that were asked for.
-pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, PlyError> {
-    let header = header::parse(bytes)?;
-    let vertex =
-        header.elements.iter().position(|element| element.name == "vertex").ok_or(PlyError::NoVertices)?;
-    let properties = header.elements.get(vertex).map(|element| &element.properties[..]).unwrap_or_default();
-    let names: Vec<&str> = properties.iter().map(|property| property.name.as_str()).collect();
-    let wanted = Wanted::find(&names, errors_from)
-        .map_err(|Missing { name, fields }| PlyError::MissingProperty { name, properties: fields })?;
-    let list = |index: &usize| properties.get(*index).filter(|p| matches!(p.kind, Kind::List { .. }));
-    if let Some(property) = wanted.indices().find_map(|index| list(&index)) {
-        return Err(PlyError::ListProperty { name: property.name.clone() });
-    }
-    let (points, sigma) = match header.encoding {
-        Encoding::Ascii => ascii::read(bytes, &header, vertex, wanted)?,
-        Encoding::Binary(order) => binary::read(bytes, &header, vertex, wanted, order)?,
-    };
-    let format = match header.encoding {
-        Encoding::Ascii => "PLY ascii",
-        Encoding::Binary(ByteOrder::Little) => "PLY binary_little_endian",
-        Encoding::Binary(ByteOrder::Big) => "PLY binary_big_endian",
-    };
+pub fn read(mut bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, PlyError> {
+    let mut points = Points::open(&mut bytes, errors_from).map_err(Failure::content)?;
+    points.read(&mut bytes, usize::MAX).map_err(Failure::content)?;
+    let format = points.format();
+    let (points, sigma) = points.rows.take();
     Ok(Cloud { points, sigma, viewpoint: None, format })
 }

@@ -1,33 +1,29 @@
 //! From a file to a scan: format, errors and frame.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use terrace_noise::{ScanNoiseError, SensorNoise};
-use terrace_types::{Frame, Pose, Scan, ScanError, Sigma};
+use terrace_types::{Scan, ScanError};
 
-use crate::depth::{DEFAULT_DEPTH_SCALE, DepthError, DepthImage};
-use crate::detect::{Format, detect};
+use crate::depth::{DEFAULT_DEPTH_SCALE, DepthError};
 use crate::npy::NpyError;
 use crate::pcd::PcdError;
 use crate::ply::PlyError;
 use crate::text::TextError;
-use crate::{Cloud, FieldChoice, Intrinsics, Source, by_model, npy, pcd, ply, source, text};
-
-/// The axis along which a depth camera measures, in its own frame.
-const OPTICAL_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
+use crate::{FieldChoice, Intrinsics, ScanReader, Source};
 
 /// Where the errors of points come from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorSource {
-    /// From fields of the file; [`Sigma::Unknown`] when it has none and none was asked for by name.
+    /// From fields of the file; [`Sigma::Unknown`](terrace_types::Sigma::Unknown) when it has none and none was asked for by name.
     FromFile(FieldChoice),
     /// From the noise model of the sensor; fields of the file are not looked at.
     ///
-    /// * [`Uniform`](SensorNoise::Uniform) gives [`Sigma::Uniform`].
+    /// * [`Uniform`](SensorNoise::Uniform) gives [`Sigma::Uniform`](terrace_types::Sigma::Uniform).
     /// * [`PerAxis`](SensorNoise::PerAxis) is along the axes of the *world*. Where the points are in the world, or the
-    ///   frames of sensor and world are parallel, it gives [`Sigma::PerAxis`]; where a pose turns them,
-    ///   [`Sigma::Covariance`] in the frame of the sensor.
-    /// * The others give [`Sigma::Covariance`]. They need the place of the sensor: with a pose it is the origin of the
+    ///   frames of sensor and world are parallel, it gives [`Sigma::PerAxis`](terrace_types::Sigma::PerAxis); where a pose turns them,
+    ///   [`Sigma::Covariance`](terrace_types::Sigma::Covariance) in the frame of the sensor.
+    /// * The others give [`Sigma::Covariance`](terrace_types::Sigma::Covariance). They need the place of the sensor: with a pose it is the origin of the
     ///   points' frame; in the world it is the translation of the VIEWPOINT of a PCD, and without one there is
     ///   [`ReadErrorKind::NoSensorPosition`]. Depth images are measured along +z of the camera's frame; of clouds the
     ///   optical axis is not known, and their depth is the straight distance from the sensor.
@@ -138,12 +134,6 @@ pub enum ReadErrorKind {
     Scan(#[from] ScanError),
 }
 
-/// What a file holds, before errors and frame are settled.
-pub(crate) enum Content {
-    Cloud(Cloud),
-    Depth(DepthImage),
-}
-
 /// Reads a file of points as a scan. The format is found from the first bytes, then from the extension.
 ///
 /// **Frame.** With a pose from outside the file the points are in the sensor's frame. Without, they are taken to be in
@@ -184,71 +174,7 @@ pub struct Counted {
 /// # Errors
 /// [`ReadError`] naming the file.
 pub fn read_counted(source: &Source, options: &ReadOptions) -> Result<Counted, ReadError> {
-    let in_file = |kind| ReadError { path: source.path.clone(), kind: Box::new(kind) };
-    load(&source.path).and_then(|bytes| scan(&source.path, &bytes, source.pose, options)).map_err(in_file)
-}
-
-fn scan(
-    path: &Path,
-    bytes: &[u8],
-    pose: Option<Pose>,
-    options: &ReadOptions,
-) -> Result<Counted, ReadErrorKind> {
-    let (mut points, sigma, frame, axis) = match parse(path, bytes, &options.errors)? {
-        Content::Depth(image) => {
-            let camera = options.intrinsics.ok_or(ReadErrorKind::NoIntrinsics)?;
-            let points = image.points(&camera, options.depth_scale)?;
-            let frame = Frame::Sensor { pose: pose.unwrap_or(Pose::IDENTITY) };
-            (points, Sigma::Unknown, frame, Some(OPTICAL_AXIS))
-        }
-        Content::Cloud(cloud) => {
-            let frame = match pose {
-                Some(pose) => Frame::Sensor { pose },
-                None => Frame::World { sensor: cloud.viewpoint.map(|v| v.translation()) },
-            };
-            (cloud.points, cloud.sigma, frame, None)
-        }
-    };
-    let (sigma, not_measured) = match options.errors {
-        ErrorSource::FromFile(_) => (sigma, 0),
-        ErrorSource::Model(noise) => by_model::errors(noise, &mut points, frame, axis)?,
-    };
-    Ok(Counted { scan: Scan::new(points, sigma, frame)?, not_measured })
-}
-
-/// The bytes of a file.
-pub(crate) fn load(path: &Path) -> Result<Vec<u8>, ReadErrorKind> {
-    // Reading a device or a pipe might never end.
-    if !std::fs::metadata(path).map_err(ReadErrorKind::Io)?.is_file() {
-        return Err(ReadErrorKind::NotAFile);
-    }
-    let bytes = std::fs::read(path).map_err(ReadErrorKind::Io)?;
-    if bytes.is_empty() { Err(ReadErrorKind::Empty) } else { Ok(bytes) }
-}
-
-/// Reads what the bytes hold.
-pub(crate) fn parse(path: &Path, bytes: &[u8], errors: &ErrorSource) -> Result<Content, ReadErrorKind> {
-    let fields = match errors {
-        ErrorSource::FromFile(fields) => fields,
-        ErrorSource::Model(_) => &FieldChoice::Ignore,
-    };
-    let nameless = |format| match fields {
-        FieldChoice::Named(field) => Err(ReadErrorKind::NoNamedFields { field: field.clone(), format }),
-        FieldChoice::Automatic | FieldChoice::Ignore => Ok(()),
-    };
-    Ok(match detect(bytes, &source::extension(path)) {
-        Format::Ply => Content::Cloud(ply::read(bytes, fields)?),
-        Format::Pcd => Content::Cloud(pcd::read(bytes, fields)?),
-        Format::Text => Content::Cloud(text::read(bytes, fields)?),
-        Format::Npy => {
-            nameless("NPY")?;
-            Content::Cloud(npy::read(bytes)?)
-        }
-        Format::Png => {
-            nameless("PNG")?;
-            Content::Depth(DepthImage::read(bytes)?)
-        }
-        Format::Foreign(name, advice) => return Err(ReadErrorKind::Foreign { name, advice }),
-        Format::Unknown => return Err(ReadErrorKind::Unknown),
-    })
+    let mut reader = ScanReader::open(source, options, usize::MAX)?;
+    let scan = reader.take()?;
+    Ok(Counted { scan, not_measured: reader.not_measured() })
 }

@@ -24,9 +24,13 @@
 //! # Ok::<(), text::TextError>(())
 //! ```
 
+mod points;
+
+use crate::bytes::Failure;
 use crate::cloud::fields::{Missing, Rows, Wanted};
-use crate::cloud::lines::{Lines, count, number, shown};
+use crate::cloud::lines::{count, number, shown};
 use crate::{Cloud, FieldChoice};
+pub(crate) use points::Points;
 
 /// Why a text file was refused. Lines are counted from 1.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -102,45 +106,12 @@ enum Separator {
 ///
 /// # Errors
 /// [`TextError`] when a line is no point, there are none, or there is no column for the errors that were asked for.
-pub fn read(bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, TextError> {
-    let mut lines = Lines::of_text(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    let mut announced = None;
-    let mut comment_names: Vec<(usize, Vec<&str>)> = Vec::new();
-    let mut layout: Option<Layout> = None;
-    while let Some((line, content)) = lines.next_filled() {
-        let content = content.trim_ascii();
-        if let Some(comment) = content.strip_prefix(b"#").or_else(|| content.strip_prefix(b"//")) {
-            if layout.is_none() {
-                comment_names.extend(names_in_comment(comment).map(|names| (line, names)));
-            }
-            continue;
-        }
-        if let Some(layout) = &mut layout {
-            row(layout, line, content)?;
-            continue;
-        }
-        if announced.is_none()
-            && let Some(count) = whole(content, line)?
-        {
-            announced = Some((line, count));
-            continue;
-        }
-        let (mut found, is_header) = first_line(line, content, &comment_names, errors_from)?;
-        if !is_header {
-            row(&mut found, line, content)?;
-        }
-        layout = Some(found);
-    }
-    let (points, sigma) = layout.map(|layout| layout.rows.finish()).unwrap_or_default();
-    if let Some((line, announced)) =
-        announced.filter(|(_, count)| usize::try_from(*count) != Ok(points.len()))
-    {
-        return Err(TextError::Count { line, announced, found: points.len() });
-    }
-    if points.is_empty() {
-        return Err(TextError::NoPoints { lines: lines.read() });
-    }
-    Ok(Cloud { points, sigma, viewpoint: None, format: "text" })
+pub fn read(mut bytes: &[u8], errors_from: &FieldChoice) -> Result<Cloud, TextError> {
+    let mut points = Points::open(&mut bytes, errors_from).map_err(Failure::content)?;
+    points.read(&mut bytes, usize::MAX).map_err(Failure::content)?;
+    let format = points.format();
+    let (points, sigma) = points.take();
+    Ok(Cloud { points, sigma, viewpoint: None, format })
 }
 
 /// The count when a line is digits alone.
@@ -153,7 +124,7 @@ fn whole(content: &[u8], line: usize) -> Result<Option<u64>, TextError> {
 }
 
 /// The words of a comment when it can be a line of names.
-fn names_in_comment(comment: &[u8]) -> Option<Vec<&str>> {
+fn names_in_comment(comment: &[u8]) -> Option<Vec<String>> {
     let names: Vec<&str> = std::str::from_utf8(comment)
         .ok()?
         .split([',', ';', ' ', '\t'])
@@ -161,14 +132,14 @@ fn names_in_comment(comment: &[u8]) -> Option<Vec<&str>> {
         .filter(|name| !name.is_empty())
         .collect();
     let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
-    (has("x") && has("y") && has("z")).then_some(names)
+    (has("x") && has("y") && has("z")).then(|| names.into_iter().map(str::to_owned).collect())
 }
 
 /// The layout that the first line after the comments gives, and whether it holds names instead of a point.
 fn first_line(
     line: usize,
     content: &[u8],
-    comments: &[(usize, Vec<&str>)],
+    comments: &[(usize, Vec<String>)],
     errors_from: &FieldChoice,
 ) -> Result<(Layout, bool), TextError> {
     let separator = match content {
@@ -186,7 +157,8 @@ fn first_line(
     let (line, found) = if is_header {
         (line, Wanted::find(&names, errors_from))
     } else if let Some((line, names)) = commented {
-        (*line, Wanted::find(names, errors_from))
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        (*line, Wanted::find(&names, errors_from))
     } else {
         if columns < 3 {
             return Err(TextError::Columns { line, found: columns, expected: 3 });
@@ -195,7 +167,7 @@ fn first_line(
     };
     let wanted =
         found.map_err(|Missing { name, fields }| TextError::MissingColumn { line, name, columns: fields })?;
-    Ok((Layout { separator, columns, rows: Rows::new(wanted, 0) }, is_header))
+    Ok((Layout { separator, columns, rows: Rows::new(wanted) }, is_header))
 }
 
 /// Adds the point of a line.

@@ -5,7 +5,7 @@
 
 mod formats_support;
 
-use formats_support::{Format, Good, good_files, same};
+use formats_support::{Format, Good, apply, damage, good_files, same};
 use proptest::prelude::*;
 
 /// Whether what was cut away is nothing but white space.
@@ -60,53 +60,6 @@ fn empty_files() {
 fn header_only() {
     for good in good_files(3) {
         assert!(good.format.read(&good.bytes[..good.body]).is_err(), "{}", good.name);
-    }
-}
-
-/// A byte to set, a range to remove, or bytes to put in.
-#[derive(Debug, Clone)]
-enum Damage {
-    Set(usize, u8),
-    Remove(usize, usize),
-    Insert(usize, Vec<u8>),
-    Number(usize, u64),
-}
-
-fn damage() -> impl Strategy<Value = Damage> {
-    prop_oneof![
-        (any::<usize>(), any::<u8>()).prop_map(|(at, byte)| Damage::Set(at, byte)),
-        (any::<usize>(), 0_usize..40).prop_map(|(at, length)| Damage::Remove(at, length)),
-        (any::<usize>(), prop::collection::vec(any::<u8>(), 0..20)).prop_map(|(at, b)| Damage::Insert(at, b)),
-        (any::<usize>(), prop_oneof![0_u64..70_000, any::<u64>()]).prop_map(|(at, n)| Damage::Number(at, n)),
-    ]
-}
-
-fn apply(bytes: &mut Vec<u8>, damage: &Damage) {
-    let place = |at: usize| at % (bytes.len() + 1);
-    match damage {
-        Damage::Set(at, byte) => {
-            let at = place(*at);
-            if let Some(old) = bytes.get_mut(at) {
-                *old = *byte;
-            }
-        }
-        Damage::Remove(at, length) => {
-            let at = place(*at);
-            bytes.drain(at..(at + length).min(bytes.len()));
-        }
-        Damage::Insert(at, more) => {
-            let at = place(*at);
-            bytes.splice(at..at, more.iter().copied());
-        }
-        Damage::Number(at, number) => {
-            // The next number in text becomes another.
-            let at = place(*at);
-            if let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit) {
-                let start = at + start;
-                let digits = bytes[start..].iter().take_while(|b| b.is_ascii_digit()).count();
-                bytes.splice(start..start + digits, number.to_string().into_bytes());
-            }
-        }
     }
 }
 

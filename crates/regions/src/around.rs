@@ -137,7 +137,8 @@ impl Sum {
         let c = self.covariance();
         let (trace, minors, _) = invariants(&c);
         let [x, y, z] = plane.normal.to_array();
-        let off = c[0] * x * x + c[3] * y * y + c[5] * z * z + 2.0 * (c[1] * x * y + c[2] * x * z + c[4] * y * z);
+        let off =
+            c[0] * x * x + c[3] * y * y + c[5] * z * z + 2.0 * (c[1] * x * y + c[2] * x * z + c[4] * y * z);
         // λ₁ λ₂ = m − λ₀ (λ₁ + λ₂), λ₀ ≤ nᵀCn and λ₂ ≤ t.
         let across = (minors - off * trace) / trace;
         off <= sine_squared * across * (1.0 - ROUNDING)

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-
 use crate::cell::{Noise, Sums};
 use crate::field::{COARSE, Field};
 use crate::flat::Flat;
@@ -23,12 +22,7 @@ pub(crate) struct Ends {
 
 impl Ends {
     /// Looks at the cells of each region near those of another, off its plane by at least an error.
-    pub(crate) fn of(
-        field: &Field,
-        noise: Noise,
-        region_of: &[Option<u32>],
-        regions: &[Region],
-    ) -> Self {
+    pub(crate) fn of(field: &Field, noise: Noise, region_of: &[Option<u32>], regions: &[Region]) -> Self {
         let level = &field.levels[COARSE];
         let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
         let mut here: Vec<u32> = Vec::new();
@@ -41,7 +35,9 @@ impl Ends {
                 continue;
             }
             for cell in level.cells(group) {
-                let (Some(own), sums) = (region_of[cell as usize], &field.cells[cell as usize]) else { continue };
+                let (Some(own), sums) = (region_of[cell as usize], &field.cells[cell as usize]) else {
+                    continue;
+                };
                 for other in here.iter().filter(|other| **other != own) {
                     let plane = &regions[*other as usize].fitted.plane;
                     let off = plane.distance(sums.mean);

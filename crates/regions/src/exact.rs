@@ -54,7 +54,11 @@ pub(crate) fn by_points(found: Found, cells: &[Cell], points: Points) -> Segment
     shares.sort_unstable();
     let shares = shares
         .chunk_by(|a, b| a == b)
-        .map(|of| Share { cell: of[0].0, region: of[0].1, points: u32::try_from(of.len()).unwrap_or(u32::MAX) })
+        .map(|of| Share {
+            cell: of[0].0,
+            region: of[0].1,
+            points: u32::try_from(of.len()).unwrap_or(u32::MAX),
+        })
         .collect();
     Segmentation {
         regions,

@@ -187,14 +187,7 @@ impl Growing<'_, '_> {
 }
 
 impl Growth {
-    fn lies_on(
-        &self,
-        field: &Field,
-        arounds: &mut Arounds,
-        cell: usize,
-        plane: &Flat,
-        spread: f64,
-    ) -> bool {
+    fn lies_on(&self, field: &Field, arounds: &mut Arounds, cell: usize, plane: &Flat, spread: f64) -> bool {
         let sums = &field.cells[cell];
         let variance = self.noise.variance(sums, plane.normal);
         let errors = SLACK * (1.0 + SIGNIFICANT * (2.0 / sums.points).sqrt());

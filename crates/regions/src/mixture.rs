@@ -211,7 +211,8 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         shares: &mut Vec<(u32, f64)>,
     ) -> Nearby {
         shares.clear();
-        let around = std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
+        let around =
+            std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
         for part in around.flat_map(|near| before[near].parts.as_slice()) {
             match shares.iter_mut().find(|(known, _)| *known == part.region) {
                 Some((_, sum)) => *sum += part.expected,
@@ -295,11 +296,8 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
 impl Several {
     /// The parts of a cell with a sample of points that stand for so many `each`, and whether any could be of two regions.
     fn mixed(&self, places: &[[f32; 3]], each: f64, reach: f32) -> (Parts, bool) {
-        let mut parts: Vec<Part> = self
-            .near
-            .iter()
-            .map(|near| Part { region: near.region, expected: 0.0, labelled: 0.0 })
-            .collect();
+        let mut parts: Vec<Part> =
+            self.near.iter().map(|near| Part { region: near.region, expected: 0.0, labelled: 0.0 }).collect();
         let mut scores = vec![f32::INFINITY; parts.len()];
         let mut is_open = false;
         for place in places {

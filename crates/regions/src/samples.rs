@@ -82,7 +82,9 @@ impl Samples {
             self.push(cell, *place);
         }
         // What the others left out is left out of the whole.
-        if let (Some(kept), Some(places)) = (self.cells.get_mut(cell as usize), self.places.get_mut(cell as usize)) {
+        if let (Some(kept), Some(places)) =
+            (self.cells.get_mut(cell as usize), self.places.get_mut(cell as usize))
+        {
             while kept.halvings < theirs.halvings {
                 kept.halve(places);
             }

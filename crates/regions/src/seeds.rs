@@ -45,7 +45,9 @@ impl Seeds {
                 let group = u32::try_from(group).ok()?;
                 (tilt <= SEED_TILT).then_some((Reverse(Tilt::of(tilt)), Reverse(Seed { level, group })))
             };
-            bounds.par_extend((0..field.levels[level].len()).into_par_iter().with_min_len(1024).filter_map(bound));
+            bounds.par_extend(
+                (0..field.levels[level].len()).into_par_iter().with_min_len(1024).filter_map(bound),
+            );
         }
         bounds.sort_unstable();
         Self { bounds, judged: BinaryHeap::new() }

@@ -3,10 +3,10 @@
 use crate::around::Arounds;
 use crate::bend::Bend;
 use crate::cell::Noise;
+use crate::exact::{by_points, samples_of};
 use crate::field::Field;
 use crate::flat::Fitted;
 use crate::grow::{Growth, Region as Grown, grow};
-use crate::exact::{by_points, samples_of};
 use crate::labels::{Labeller, Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
@@ -208,7 +208,11 @@ pub fn find<'s>(
         while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
         let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
         // What no sampled point is of has the number of the largest part.
-        rank[of_pieces.clone().take_while(|piece| piece.cell == cell).find(same).map_or(region, |piece| piece.region) as usize]
+        rank[of_pieces
+            .clone()
+            .take_while(|piece| piece.cell == cell)
+            .find(same)
+            .map_or(region, |piece| piece.region) as usize]
     };
     let labeller = Labeller::of(&field, of_cells, settings.reach, number);
     Ok(Found {
@@ -250,9 +254,8 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Nois
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
     let mut arounds = Arounds::of(field);
-    let mut grow = |noise: Noise, spread: f64| {
-        grow(&mut arounds, Growth { noise, spread, without: settings.leave_out })
-    };
+    let mut grow =
+        |noise: Noise, spread: f64| grow(&mut arounds, Growth { noise, spread, without: settings.leave_out });
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(stated, 0.0);
         if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {

@@ -75,12 +75,7 @@ impl Sum {
         // Points are counted in whole numbers.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let count = n as u64;
-        Moments::from_sums(
-            count,
-            [x, y, z],
-            SymmetricMatrix3([a, b, c, d, e, f]),
-            SymmetricMatrix3(noise),
-        )
+        Moments::from_sums(count, [x, y, z], SymmetricMatrix3([a, b, c, d, e, f]), SymmetricMatrix3(noise))
     }
 }
 

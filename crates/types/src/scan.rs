@@ -84,6 +84,11 @@ impl Scan {
         self.frame
     }
 
+    /// The points, standard errors and frame, so that their memory can be used again.
+    pub fn into_parts(self) -> (Vec<[f64; 3]>, Sigma, Frame) {
+        (self.points, self.sigma, self.frame)
+    }
+
     /// Number of points, absent ones included.
     pub fn len(&self) -> usize {
         self.points.len()

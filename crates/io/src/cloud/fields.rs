@@ -3,7 +3,8 @@
 use terrace_types::Sigma;
 
 use super::FieldChoice;
-use super::records::{ByteOrder, Column, gather};
+use super::records::{ByteOrder, Column, Scalar, fill, gather};
+use crate::bytes::{Bytes, PIECE};
 
 /// The fields that are read, as indices into the fields of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +55,15 @@ impl Wanted {
         Ok(Self { xyz, sigma })
     }
 
+    /// Errors of no points yet, of the kind that the fields hold.
+    fn no_errors(&self) -> Sigma {
+        match self.sigma {
+            SigmaFields::None => Sigma::Unknown,
+            SigmaFields::One(_) => Sigma::PerPoint(Vec::new()),
+            SigmaFields::PerAxis(_) => Sigma::PerAxis(Vec::new()),
+        }
+    }
+
     /// The indices of all fields that are read.
     pub(crate) fn indices(&self) -> impl Iterator<Item = usize> {
         let (one, axes) = match self.sigma {
@@ -62,23 +72,6 @@ impl Wanted {
             SigmaFields::PerAxis(axes) => (None, Some(axes)),
         };
         self.xyz.into_iter().chain(one).chain(axes.into_iter().flatten())
-    }
-
-    /// The points and errors of `count` records whose columns `of` gives.
-    pub(crate) fn gather<'a>(
-        &self,
-        order: ByteOrder,
-        count: usize,
-        of: impl Fn(usize) -> Column<'a>,
-    ) -> (Vec<[f64; 3]>, Sigma) {
-        let sigma = match self.sigma {
-            SigmaFields::None => Sigma::Unknown,
-            SigmaFields::One(one) => {
-                Sigma::PerPoint(gather([of(one)], order, count).into_iter().map(|[sigma]| sigma).collect())
-            }
-            SigmaFields::PerAxis(axes) => Sigma::PerAxis(gather(axes.map(&of), order, count)),
-        };
-        (gather(self.xyz.map(of), order, count), sigma)
     }
 }
 
@@ -93,7 +86,7 @@ fn listed(names: &[&str]) -> String {
     if list.is_empty() { "none".to_owned() } else { list.join(", ") }
 }
 
-/// Points and errors put together one value at a time.
+/// Points and errors put together, one value or many records at a time, and taken away piece by piece.
 #[derive(Debug)]
 pub(crate) struct Rows {
     wanted: Wanted,
@@ -104,20 +97,25 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// With room for `capacity` points, which the caller has held against the bytes there are.
-    pub(crate) fn new(wanted: Wanted, capacity: usize) -> Self {
-        let sigmas = match wanted.sigma {
-            SigmaFields::None => Sigma::Unknown,
-            SigmaFields::One(_) => Sigma::PerPoint(Vec::with_capacity(capacity)),
-            SigmaFields::PerAxis(_) => Sigma::PerAxis(Vec::with_capacity(capacity)),
-        };
-        Self {
-            wanted,
-            row: [f64::NAN; 3],
-            sigma: [f64::NAN; 3],
-            points: Vec::with_capacity(capacity),
-            sigmas,
+    /// No rows yet.
+    pub(crate) fn new(wanted: Wanted) -> Self {
+        let sigmas = wanted.no_errors();
+        Self { wanted, row: [f64::NAN; 3], sigma: [f64::NAN; 3], points: Vec::new(), sigmas }
+    }
+
+    /// Makes room for `more` points, which the caller has held against the bytes there are.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.points.reserve(more);
+        match &mut self.sigmas {
+            Sigma::PerPoint(sigmas) => sigmas.reserve(more),
+            Sigma::PerAxis(sigmas) => sigmas.reserve(more),
+            Sigma::Unknown | Sigma::Uniform(_) | Sigma::Covariance(_) => {}
         }
+    }
+
+    /// Number of rows.
+    pub(crate) fn len(&self) -> usize {
+        self.points.len()
     }
 
     /// Whether the field at `index` is read.
@@ -153,9 +151,80 @@ impl Rows {
         }
     }
 
-    /// The points and errors.
-    pub(crate) fn finish(self) -> (Vec<[f64; 3]>, Sigma) {
-        (self.points, self.sigmas)
+    /// Adds the points and errors of `count` records whose columns `of` gives.
+    pub(crate) fn gather<'a>(&mut self, order: ByteOrder, count: usize, of: impl Fn(usize) -> Column<'a>) {
+        match (&mut self.sigmas, self.wanted.sigma) {
+            (Sigma::PerPoint(sigmas), SigmaFields::One(one)) => {
+                let start = sigmas.len();
+                sigmas.resize(start + count, f64::NAN);
+                let new = sigmas.get_mut(start..).unwrap_or_default();
+                fill(new.as_chunks_mut::<1>().0, 0, of(one), order);
+            }
+            (Sigma::PerAxis(sigmas), SigmaFields::PerAxis(axes)) => {
+                gather(axes.map(&of), order, count, sigmas)
+            }
+            _ => {}
+        }
+        gather(self.wanted.xyz.map(of), order, count, &mut self.points);
+    }
+
+    /// Adds the points and errors of `count` records of `stride` bytes from byte `at` on; `field` tells where in a record
+    /// a field starts, and its type. The caller has checked that the file has as many bytes.
+    pub(crate) fn gather_records<B: Bytes>(
+        &mut self,
+        bytes: &mut B,
+        mut at: u64,
+        stride: usize,
+        mut count: usize,
+        order: ByteOrder,
+        field: impl Fn(usize) -> (usize, Scalar),
+    ) -> Result<(), B::Error> {
+        self.reserve(count);
+        let piece = (PIECE / stride.max(1)).max(1);
+        while count > 0 {
+            let records = count.min(piece);
+            let window = bytes.window(at, records * stride)?;
+            self.gather(order, records, |index| {
+                let (offset, scalar) = field(index);
+                Column { bytes: window, stride, offset, scalar }
+            });
+            at += (records * stride) as u64;
+            count -= records;
+        }
+        Ok(())
+    }
+
+    /// Adds `count` points whose coordinates are set axis by axis.
+    pub(crate) fn add_absent(&mut self, count: usize) -> &mut [[f64; 3]] {
+        let start = self.points.len();
+        self.points.resize(start + count, [f64::NAN; 3]);
+        self.points.get_mut(start..).unwrap_or_default()
+    }
+
+    /// Takes the points and errors away.
+    pub(crate) fn take(&mut self) -> (Vec<[f64; 3]>, Sigma) {
+        let sigmas = std::mem::replace(&mut self.sigmas, self.wanted.no_errors());
+        (std::mem::take(&mut self.points), sigmas)
+    }
+
+    /// Takes over the memory of points and errors that are no longer needed, when there are no rows.
+    pub(crate) fn reuse(&mut self, mut points: Vec<[f64; 3]>, sigmas: Sigma) {
+        if !self.points.is_empty() {
+            return;
+        }
+        points.clear();
+        self.points = points;
+        match (&mut self.sigmas, sigmas) {
+            (Sigma::PerPoint(own), Sigma::PerPoint(mut spent)) => {
+                spent.clear();
+                *own = spent;
+            }
+            (Sigma::PerAxis(own), Sigma::PerAxis(mut spent)) => {
+                spent.clear();
+                *own = spent;
+            }
+            _ => {}
+        }
     }
 }
 
@@ -195,12 +264,12 @@ mod tests {
     #[test]
     fn one_field_may_serve_twice() {
         let wanted = Wanted::find(&["x", "y", "z"], &FieldChoice::Named("z".into())).unwrap();
-        let mut rows = Rows::new(wanted, 1);
+        let mut rows = Rows::new(wanted);
         for index in 0..3 {
             assert!(rows.wants(index));
             rows.set(index, index as f64);
         }
         rows.push();
-        assert_eq!(rows.finish(), (vec![[0.0, 1.0, 2.0]], Sigma::PerPoint(vec![2.0])));
+        assert_eq!(rows.take(), (vec![[0.0, 1.0, 2.0]], Sigma::PerPoint(vec![2.0])));
     }
 }

@@ -92,44 +92,88 @@ impl Scalar {
     }
 }
 
-/// `count` rows of one number from each column. The caller has checked that the columns hold that many.
+/// Adds `count` rows of one number from each column. The caller has checked that the columns hold that many.
 pub(crate) fn gather<const K: usize>(
     columns: [Column<'_>; K],
     order: ByteOrder,
     count: usize,
-) -> Vec<[f64; K]> {
+    into: &mut Vec<[f64; K]>,
+) {
     if let Some(first) = columns.first()
         && columns.iter().all(|column| column.scalar == first.scalar)
     {
-        return with_decoder!(first.scalar, rows(columns, order, count));
+        return with_decoder!(first.scalar, rows(columns, order, count, into));
     }
-    let mut gathered = vec![[0.0; K]; count];
+    let start = into.len();
+    into.resize(start + count, [f64::NAN; K]);
     for (k, column) in columns.into_iter().enumerate() {
-        with_decoder!(column.scalar, fill(&mut gathered, k, column, order));
+        fill(into.get_mut(start..).unwrap_or_default(), k, column, order);
     }
-    gathered
 }
 
-/// All columns at once, when they are of one type.
+/// Sets number `k` of each row from a column.
+pub(crate) fn fill<const K: usize>(rows: &mut [[f64; K]], k: usize, column: Column<'_>, order: ByteOrder) {
+    with_decoder!(column.scalar, fill_with(rows, k, column, order));
+}
+
+/// All columns at once, when they are of one type. What does not change from row to row is settled here, outside the
+/// loops: the order of bytes, and whether the numbers of a row, or of all rows, follow each other.
 fn rows<const K: usize, const N: usize>(
     columns: [Column<'_>; K],
     order: ByteOrder,
     count: usize,
+    into: &mut Vec<[f64; K]>,
     decode: impl Fn([u8; N]) -> f64,
-) -> Vec<[f64; K]> {
-    let mut columns = columns.map(Column::numbers);
-    (0..count).map(|_| columns.each_mut().map(|numbers| value(numbers.next(), order, &decode))).collect()
+) {
+    match order {
+        ByteOrder::Little => ordered_rows(columns, count, into, decode),
+        ByteOrder::Big => ordered_rows(columns, count, into, |mut bytes: [u8; N]| {
+            bytes.reverse();
+            decode(bytes)
+        }),
+    }
 }
 
-/// Column `k` alone, when types differ.
-fn fill<const K: usize, const N: usize>(
-    gathered: &mut [[f64; K]],
+fn ordered_rows<const K: usize, const N: usize>(
+    columns: [Column<'_>; K],
+    count: usize,
+    into: &mut Vec<[f64; K]>,
+    decode: impl Fn([u8; N]) -> f64,
+) {
+    let Some(first) = columns.first().copied() else { return };
+    let follow = |(k, column): (usize, &Column<'_>)| {
+        std::ptr::eq(column.bytes, first.bytes)
+            && column.stride == first.stride
+            && column.offset == first.offset + k * N
+    };
+    let start = into.len();
+    if columns.iter().enumerate().all(follow) {
+        let bytes = first.bytes.get(first.offset..).unwrap_or_default();
+        if first.stride == K * N {
+            let records = bytes.as_chunks::<N>().0.as_chunks::<K>().0;
+            into.extend(records.iter().take(count).map(|record| record.map(&decode)));
+        } else {
+            let records = bytes.chunks(first.stride.max(1)).take(count);
+            let records = records.map(|record| record.as_chunks::<N>().0.first_chunk::<K>());
+            into.extend(records.map(|record| record.map_or([f64::NAN; K], |record| record.map(&decode))));
+        }
+    } else {
+        let mut columns = columns.map(Column::numbers);
+        let number =
+            |bytes: Option<&[u8]>| bytes.and_then(<[u8]>::first_chunk).map_or(f64::NAN, |b| decode(*b));
+        into.extend((0..count).map(|_| columns.each_mut().map(|numbers| number(numbers.next()))));
+    }
+    into.resize(start + count, [f64::NAN; K]);
+}
+
+fn fill_with<const K: usize, const N: usize>(
+    rows: &mut [[f64; K]],
     k: usize,
     column: Column<'_>,
     order: ByteOrder,
     decode: impl Fn([u8; N]) -> f64,
 ) {
-    for (row, number) in gathered.iter_mut().zip(column.numbers()) {
+    for (row, number) in rows.iter_mut().zip(column.numbers()) {
         row[k] = value(Some(number), order, &decode);
     }
 }
@@ -183,13 +227,40 @@ mod tests {
         }
     }
 
+    fn gathered<const K: usize>(columns: [Column<'_>; K], order: ByteOrder, count: usize) -> Vec<[f64; K]> {
+        let mut rows = vec![[7.0; K]];
+        gather(columns, order, count, &mut rows);
+        assert_eq!(rows.remove(0), [7.0; K]);
+        rows
+    }
+
     #[test]
     fn columns_of_different_types_and_places() {
         // Records of 7 bytes: u8, f32, i16.
         let records = [[9, 0, 0, 128, 63, 255, 255], [8, 0, 0, 0, 64, 2, 0]].concat();
         let column = |offset, scalar| Column { bytes: &records, stride: 7, offset, scalar };
         let mixed = [column(1, Scalar::F32), column(5, Scalar::I16), column(0, Scalar::U8)];
-        assert_eq!(gather(mixed, ByteOrder::Little, 2), [[1.0, -1.0, 9.0], [2.0, 2.0, 8.0]]);
-        assert_eq!(gather([column(1, Scalar::F32)], ByteOrder::Little, 2), [[1.0], [2.0]]);
+        assert_eq!(gathered(mixed, ByteOrder::Little, 2), [[1.0, -1.0, 9.0], [2.0, 2.0, 8.0]]);
+        assert_eq!(gathered([column(1, Scalar::F32)], ByteOrder::Little, 2), [[1.0], [2.0]]);
+    }
+
+    #[test]
+    fn columns_side_by_side_swapped_and_apart() {
+        let bytes: Vec<u8> = (0..24).collect();
+        for (stride, count) in [(2, 12), (3, 8), (5, 4), (24, 1)] {
+            let column = |offset| Column { bytes: &bytes, stride, offset, scalar: Scalar::U8 };
+            let expected = |a: usize, b: usize| -> Vec<[f64; 2]> {
+                (0..count).map(|i| [a, b].map(|offset| (i * stride + offset) as f64)).collect()
+            };
+            for order in [ByteOrder::Little, ByteOrder::Big] {
+                assert_eq!(gathered([column(0), column(1)], order, count), expected(0, 1), "{stride}");
+                assert_eq!(gathered([column(1), column(0)], order, count), expected(1, 0), "{stride}");
+                assert_eq!(gathered([column(0), column(0)], order, count), expected(0, 0), "{stride}");
+            }
+        }
+        let wide = |offset| Column { bytes: &bytes, stride: 4, offset, scalar: Scalar::U16 };
+        assert_eq!(gathered([wide(0), wide(2)], ByteOrder::Big, 2), [[1.0, 515.0], [1029.0, 1543.0]]);
+        // What the bytes do not hold is no number.
+        assert!(gathered([wide(0), wide(2)], ByteOrder::Big, 7)[6].iter().all(|x| x.is_nan()));
     }
 }

@@ -4,6 +4,7 @@
 //! takes time and stack without bound on a hostile one.
 
 use super::NpyError;
+use crate::bytes::{Bytes, Failure, Outcome};
 use crate::cloud::lines::shown;
 use crate::cloud::records::{ByteOrder, Scalar};
 
@@ -16,16 +17,18 @@ pub(super) struct Header {
     pub fortran: bool,
     pub shape: Vec<u64>,
     /// Byte after the header.
-    pub body: usize,
+    pub body: u64,
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Header, NpyError> {
+pub(super) fn parse<B: Bytes>(bytes: &mut B) -> Outcome<Header, NpyError, B> {
     const MARK: &[u8] = b"\x93NUMPY";
-    let truncated = |needed| NpyError::TruncatedHeader { needed, present: bytes.len() };
-    if !bytes.starts_with(MARK) {
-        return Err(NpyError::NotNpy { found: shown(bytes.get(..MARK.len()).unwrap_or(bytes)) });
+    let present = bytes.left(0);
+    let truncated = |needed| NpyError::TruncatedHeader { needed, present };
+    let start = bytes.window(0, 12).map_err(Failure::Input)?;
+    if !start.starts_with(MARK) {
+        return Err(NpyError::NotNpy { found: shown(start.get(..MARK.len()).unwrap_or(start)) }.into());
     }
-    let rest = bytes.get(MARK.len()..).unwrap_or_default();
+    let rest = start.get(MARK.len()..).unwrap_or_default();
     let ([major, minor], rest) = rest.split_first_chunk().ok_or_else(|| truncated(10))?;
     let (length, at) = match (major, minor) {
         (1, 0) => {
@@ -36,11 +39,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, NpyError> {
             let (length, _) = rest.split_first_chunk().ok_or_else(|| truncated(12))?;
             (usize::try_from(u32::from_le_bytes(*length)).unwrap_or(usize::MAX), 12)
         }
-        (major, minor) => return Err(NpyError::Version { major: *major, minor: *minor }),
+        (major, minor) => return Err(NpyError::Version { major: *major, minor: *minor }.into()),
     };
     let body = length.saturating_add(at);
-    let text = bytes.get(at..body).ok_or_else(|| truncated(body))?;
-    Cursor { text, at: 0, start: at }.dictionary(body)
+    if body > present {
+        return Err(truncated(body).into());
+    }
+    let text = bytes.window(at as u64, length).map_err(Failure::Input)?;
+    Ok(Cursor { text, at: 0, start: at }.dictionary(body as u64)?)
 }
 
 /// A place in the text of the header.
@@ -52,7 +58,7 @@ struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    fn dictionary(mut self, body: usize) -> Result<Header, NpyError> {
+    fn dictionary(mut self, body: u64) -> Result<Header, NpyError> {
         let (mut descr, mut fortran, mut shape) = (None, None, None);
         self.require(b"{", "`{`")?;
         while !self.take(b"}") {

@@ -1,29 +1,32 @@
 //! The body of an ascii PCD file: a line a point.
 
-use terrace_types::Sigma;
+use std::ops::Range;
 
 use super::PcdError;
 use super::header::{Field, Header};
-use crate::cloud::fields::{Rows, Wanted};
+use crate::bytes::{Bytes, Failure, Outcome};
+use crate::cloud::LEAST_BYTES_OF_A_LINE;
+use crate::cloud::fields::Rows;
 use crate::cloud::lines::{Lines, number, shown, words};
 
-/// A point needs at least `0 0 0` and a line end.
-const LEAST_BYTES_OF_A_POINT: usize = 6;
-
-pub(super) fn read(
-    bytes: &[u8],
+/// Adds `points` to `rows`.
+pub(super) fn read<B: Bytes>(
+    bytes: &mut B,
+    lines: &mut Lines,
     header: &Header,
-    wanted: Wanted,
-) -> Result<(Vec<[f64; 3]>, Sigma), PcdError> {
-    let most = bytes.len().saturating_sub(header.body) / LEAST_BYTES_OF_A_POINT + 1;
-    let mut rows = Rows::new(wanted, usize::try_from(header.points).unwrap_or(most).min(most));
-    let mut lines = Lines::new(bytes, header.body, header.lines);
-    for found in 0..header.points {
-        let (line, content) =
-            lines.next_filled().ok_or(PcdError::MissingLines { points: header.points, found })?;
-        point(&header.fields, line, content, &mut rows)?;
+    points: Range<u64>,
+    rows: &mut Rows,
+) -> Outcome<(), PcdError, B> {
+    let most = bytes.left(lines.offset()) / LEAST_BYTES_OF_A_LINE + 1;
+    rows.reserve(usize::try_from(points.end - points.start).unwrap_or(most).min(most));
+    for found in points {
+        let (line, content) = lines
+            .next_filled(bytes)
+            .map_err(Failure::Input)?
+            .ok_or(PcdError::MissingLines { points: header.points, found })?;
+        point(&header.fields, line, content, rows)?;
     }
-    Ok(rows.finish())
+    Ok(())
 }
 
 fn point(fields: &[Field], line: usize, content: &[u8], rows: &mut Rows) -> Result<(), PcdError> {

@@ -3,6 +3,7 @@
 use terrace_types::Pose;
 
 use super::PcdError;
+use crate::bytes::{Bytes, Failure, Outcome};
 use crate::cloud::lines::{Lines, count, number, shown, words};
 use crate::cloud::records::Scalar;
 
@@ -15,7 +16,7 @@ pub(super) struct Header {
     pub viewpoint: Option<Pose>,
     pub data: Data,
     /// Byte after the header.
-    pub body: usize,
+    pub body: u64,
     /// Number of lines of the header.
     pub lines: usize,
 }
@@ -68,7 +69,7 @@ impl Header {
 
 /// The lines of a header as they were found.
 #[derive(Default)]
-struct Found<'a> {
+struct Found {
     fields: Option<Vec<String>>,
     sizes: Option<Vec<usize>>,
     kinds: Option<Vec<u8>>,
@@ -76,13 +77,13 @@ struct Found<'a> {
     width: Option<u64>,
     height: Option<u64>,
     points: Option<u64>,
-    viewpoint: Option<(usize, &'a [u8])>,
+    viewpoint: Option<(usize, Vec<u8>)>,
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Header, PcdError> {
-    let mut lines = Lines::new(bytes, 0, 0);
+pub(super) fn parse<B: Bytes>(bytes: &mut B) -> Outcome<Header, PcdError, B> {
+    let mut lines = Lines::new(0, 0);
     let mut found = Found::default();
-    while let Some((line, content)) = lines.next() {
+    while let Some((line, content)) = lines.next(bytes).map_err(Failure::Input)? {
         let wrong = |expected| PcdError::Header { line, expected, found: shown(content) };
         let mut entries = words(content);
         let Some(key) = entries.next().filter(|key| !key.starts_with(b"#")) else { continue };
@@ -110,24 +111,24 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, PcdError> {
                     _ => found.points = Some(number),
                 }
             }
-            b"VIEWPOINT" => found.viewpoint = Some((line, content)),
+            b"VIEWPOINT" => found.viewpoint = Some((line, content.to_vec())),
             b"DATA" => {
                 let data = match entries.next() {
                     Some(b"ascii") => Data::Ascii,
                     Some(b"binary") => Data::Binary,
                     Some(b"binary_compressed") => Data::Compressed,
-                    _ => return Err(wrong("`DATA` with ascii, binary or binary_compressed")),
+                    _ => return Err(wrong("`DATA` with ascii, binary or binary_compressed").into()),
                 };
-                return found.assemble(data, &lines);
+                return Ok(found.assemble(data, &lines)?);
             }
-            _ => return Err(wrong("a key of a PCD header")),
+            _ => return Err(wrong("a key of a PCD header").into()),
         }
     }
-    Err(PcdError::NoData { lines: lines.read() })
+    Err(PcdError::NoData { lines: lines.read() }.into())
 }
 
-impl Found<'_> {
-    fn assemble(self, data: Data, lines: &Lines<'_>) -> Result<Header, PcdError> {
+impl Found {
+    fn assemble(self, data: Data, lines: &Lines) -> Result<Header, PcdError> {
         let names = self.fields.ok_or(PcdError::MissingKey { key: "FIELDS" })?;
         let fields = names.len();
         let sizes = entries(self.sizes, "SIZE", fields, 4)?;
@@ -147,7 +148,7 @@ impl Found<'_> {
         Ok(Header {
             fields: fields.map(|(((name, size), kind), count)| Field { name, size, kind, count }).collect(),
             points,
-            viewpoint: self.viewpoint.map(|(line, content)| viewpoint(line, content)).transpose()?,
+            viewpoint: self.viewpoint.map(|(line, content)| viewpoint(line, &content)).transpose()?,
             data,
             body: lines.offset(),
             lines: lines.read(),

@@ -1,40 +1,37 @@
 //! The body of an ascii PLY file: a line a record.
 
-use terrace_types::Sigma;
+use std::ops::Range;
 
 use super::PlyError;
-use super::header::{Element, Header, Kind, Property};
-use crate::cloud::fields::{Rows, Wanted};
+use super::header::{Element, Kind, Property};
+use crate::bytes::{Bytes, Failure, Outcome};
+use crate::cloud::LEAST_BYTES_OF_A_LINE;
+use crate::cloud::fields::Rows;
 use crate::cloud::lines::{Lines, count, number, shown, words};
 
-/// A point needs at least `0 0 0` and a line end.
-const LEAST_BYTES_OF_A_POINT: usize = 6;
-
-pub(super) fn read(
-    bytes: &[u8],
-    header: &Header,
-    vertex: usize,
-    wanted: Wanted,
-) -> Result<(Vec<[f64; 3]>, Sigma), PlyError> {
-    let mut lines = Lines::new(bytes, header.body, header.lines);
-    let most = bytes.len().saturating_sub(header.body) / LEAST_BYTES_OF_A_POINT + 1;
-    let promised = header.elements.get(vertex).map_or(0, |element| element.count);
-    let mut rows = Rows::new(wanted, usize::try_from(promised).unwrap_or(most).min(most));
-    for (index, element) in header.elements.iter().enumerate() {
-        // A record without properties takes no line.
-        if element.properties.is_empty() {
-            continue;
-        }
-        for found in 0..element.count {
-            let (line, content) = lines.next_filled().ok_or_else(|| PlyError::MissingLines {
-                element: element.name.clone(),
-                count: element.count,
-                found,
-            })?;
-            record(element, line, content, (index == vertex).then_some(&mut rows))?;
-        }
+/// Reads `records` of an element and, when they are points, adds them to `rows`.
+pub(super) fn read<B: Bytes>(
+    bytes: &mut B,
+    lines: &mut Lines,
+    element: &Element,
+    records: Range<u64>,
+    mut rows: Option<&mut Rows>,
+) -> Outcome<(), PlyError, B> {
+    // A record without properties takes no line.
+    if element.properties.is_empty() {
+        return Ok(());
     }
-    Ok(rows.finish())
+    if let Some(rows) = &mut rows {
+        let most = bytes.left(lines.offset()) / LEAST_BYTES_OF_A_LINE + 1;
+        rows.reserve(usize::try_from(records.end - records.start).unwrap_or(most).min(most));
+    }
+    for found in records {
+        let (line, content) = lines.next_filled(bytes).map_err(Failure::Input)?.ok_or_else(|| {
+            PlyError::MissingLines { element: element.name.clone(), count: element.count, found }
+        })?;
+        record(element, line, content, rows.as_deref_mut())?;
+    }
+    Ok(())
 }
 
 /// Checks one line and, when it is a vertex, keeps its values.

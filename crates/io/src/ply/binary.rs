@@ -1,114 +1,119 @@
 //! The body of a binary PLY file. Elements without lists are taken as one block, the others record by record.
 
-use terrace_types::Sigma;
+use std::ops::Range;
 
 use super::PlyError;
-use super::header::{Element, Header, Kind};
-use crate::cloud::fields::{Rows, Wanted};
-use crate::cloud::records::{ByteOrder, Column, Scalar};
+use super::header::{Element, Kind};
+use crate::bytes::{Bytes, Failure, Outcome, place};
+use crate::cloud::fields::Rows;
+use crate::cloud::records::{ByteOrder, Scalar};
 
-pub(super) fn read(
-    bytes: &[u8],
-    header: &Header,
-    vertex: usize,
-    wanted: Wanted,
+/// Reads `records` of an element from byte `at` on and, when they are points, adds them to `rows`; gives the byte after
+/// them.
+pub(super) fn read<B: Bytes>(
+    bytes: &mut B,
+    at: u64,
+    element: &Element,
     order: ByteOrder,
-) -> Result<(Vec<[f64; 3]>, Sigma), PlyError> {
-    let mut at = header.body;
-    let mut vertices = (Vec::new(), Sigma::Unknown);
-    for (index, element) in header.elements.iter().enumerate() {
-        let is_vertex = index == vertex;
-        if element.properties.iter().any(|property| matches!(property.kind, Kind::List { .. })) {
-            let room = room(bytes.len().saturating_sub(at), element);
-            let mut rows = is_vertex.then(|| Rows::new(wanted, room));
-            at = walk(bytes, at, element, order, rows.as_mut())?;
-            vertices = rows.map_or(vertices, Rows::finish);
-            continue;
+    records: Range<u64>,
+    mut rows: Option<&mut Rows>,
+) -> Outcome<u64, PlyError, B> {
+    if element.properties.iter().any(|property| matches!(property.kind, Kind::List { .. })) {
+        if let Some(rows) = &mut rows {
+            rows.reserve(room(bytes.left(at), element, &records));
         }
-        let (block, count, stride) = block(bytes, at, element)?;
-        at += block.len();
-        if is_vertex {
-            let columns = columns(element, block, stride);
-            // `wanted` holds indices of this element's properties.
-            let nothing = Column { bytes: &[], stride, offset: 0, scalar: Scalar::U8 };
-            vertices =
-                wanted.gather(order, count, |property| columns.get(property).copied().unwrap_or(nothing));
-        }
+        return walk(bytes, at, element, order, records, rows);
     }
-    Ok(vertices)
+    let stride = element.stride().unwrap_or(usize::MAX);
+    if stride == 0 {
+        return Ok(at);
+    }
+    if records.start == 0 {
+        check_size(bytes.left(at), at, element, stride)?;
+    }
+    // What was checked for all records can be counted for some.
+    let count = usize::try_from(records.end - records.start).unwrap_or(usize::MAX);
+    if let Some(rows) = rows {
+        let fields = fields(element);
+        // The rows ask for fields of this element only.
+        let field = |property| fields.get(property).copied().unwrap_or((0, Scalar::U8));
+        rows.gather_records(bytes, at, stride, count, order, field).map_err(Failure::Input)?;
+    }
+    Ok(at + (count as u64).saturating_mul(stride as u64))
 }
 
-/// The bytes of an element without lists, the number of its records and their size.
-fn block<'a>(bytes: &'a [u8], at: usize, element: &Element) -> Result<(&'a [u8], usize, usize), PlyError> {
-    let stride = element.stride().unwrap_or(usize::MAX);
-    let rest = bytes.get(at..).unwrap_or_default();
-    if stride == 0 {
-        return Ok((&[], 0, 0));
-    }
-    let count = usize::try_from(element.count).ok();
-    let Some((count, size)) = count.and_then(|count| Some((count, count.checked_mul(stride)?))) else {
+/// Holds the number of records without lists against the bytes from `at` on.
+fn check_size(present: usize, at: u64, element: &Element, stride: usize) -> Result<(), PlyError> {
+    let size = usize::try_from(element.count).ok().and_then(|count| count.checked_mul(stride));
+    let Some(size) = size else {
         return Err(PlyError::TooLarge { element: element.name.clone(), count: element.count, stride });
     };
-    let block = rest.get(..size).ok_or_else(|| PlyError::Truncated {
-        element: element.name.clone(),
-        count: element.count,
-        stride,
-        offset: at,
-        present: rest.len(),
-    })?;
-    Ok((block, count, stride))
+    if size > present {
+        return Err(PlyError::Truncated {
+            element: element.name.clone(),
+            count: element.count,
+            stride,
+            offset: place(at),
+            present,
+        });
+    }
+    Ok(())
 }
 
-fn columns<'a>(element: &Element, bytes: &'a [u8], stride: usize) -> Vec<Column<'a>> {
+/// Where in a record each property starts, and its type.
+fn fields(element: &Element) -> Vec<(usize, Scalar)> {
     let mut offset = 0;
     let scalars = element.properties.iter().map(|property| match property.kind {
         Kind::Scalar(scalar) | Kind::List { item: scalar, .. } => scalar,
     });
     scalars
         .map(|scalar| {
-            let column = Column { bytes, stride, offset, scalar };
+            let start = offset;
             offset += scalar.size();
-            column
+            (start, scalar)
         })
         .collect()
 }
 
-/// How many records can be in `present` bytes when all their lists are empty, and not more than promised.
-fn room(present: usize, element: &Element) -> usize {
+/// How many of `records` can be in `present` bytes when all their lists are empty.
+fn room(present: usize, element: &Element, records: &Range<u64>) -> usize {
     let least = element.properties.iter().map(|property| match property.kind {
         Kind::Scalar(scalar) | Kind::List { length: scalar, .. } => scalar.size(),
     });
     let most = present / least.sum::<usize>().max(1);
-    usize::try_from(element.count).unwrap_or(most).min(most)
+    usize::try_from(records.end - records.start).unwrap_or(most).min(most)
 }
 
-/// Steps through records with lists and keeps the values of vertices; gives the byte after the element.
-fn walk(
-    bytes: &[u8],
-    mut at: usize,
+/// Steps through records with lists and keeps the values of points; gives the byte after them.
+fn walk<B: Bytes>(
+    bytes: &mut B,
+    mut at: u64,
     element: &Element,
     order: ByteOrder,
+    records: Range<u64>,
     mut rows: Option<&mut Rows>,
-) -> Result<usize, PlyError> {
-    for record in 0..element.count {
+) -> Outcome<u64, PlyError, B> {
+    for record in records {
         for (index, property) in element.properties.iter().enumerate() {
-            let rest = bytes.get(at..).unwrap_or_default();
+            let present = bytes.left(at);
+            let start = bytes.window(at, size_of::<u64>()).map_err(Failure::Input)?;
             let size = match property.kind {
                 Kind::Scalar(scalar) => {
                     if let Some(rows) = rows.as_mut().filter(|rows| rows.wants(index)) {
-                        rows.set(index, scalar.read(rest, order));
+                        rows.set(index, scalar.read(start, order));
                     }
                     Some(scalar.size())
                 }
-                Kind::List { length, item } => match length.read_integer(rest, order) {
+                Kind::List { length, item } => match length.read_integer(start, order) {
                     Some(length @ ..0) => {
                         return Err(PlyError::ListLength {
                             element: element.name.clone(),
                             record,
                             property: property.name.clone(),
                             length,
-                            offset: at,
-                        });
+                            offset: place(at),
+                        }
+                        .into());
                     }
                     Some(items) => usize::try_from(items)
                         .ok()
@@ -117,13 +122,13 @@ fn walk(
                 },
             };
             // A size that cannot be counted is beyond the end of the file as well.
-            let size = size.filter(|size| *size <= rest.len()).ok_or_else(|| PlyError::TruncatedRecord {
+            let size = size.filter(|size| *size <= present).ok_or_else(|| PlyError::TruncatedRecord {
                 element: element.name.clone(),
                 record,
                 property: property.name.clone(),
-                offset: at,
+                offset: place(at),
             })?;
-            at += size;
+            at += size as u64;
         }
         if let Some(rows) = rows.as_mut() {
             rows.push();

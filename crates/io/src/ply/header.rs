@@ -1,6 +1,7 @@
 //! The header of a PLY file: encoding, elements and their properties.
 
 use super::PlyError;
+use crate::bytes::{Bytes, Failure, Outcome};
 use crate::cloud::lines::{Lines, count, shown, words};
 use crate::cloud::records::{ByteOrder, Scalar};
 
@@ -8,7 +9,7 @@ pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
     /// Byte after the header.
-    pub body: usize,
+    pub body: u64,
     /// Number of lines of the header.
     pub lines: usize,
 }
@@ -46,15 +47,15 @@ impl Element {
     }
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
-    let mut lines = Lines::new(bytes, 0, 0);
-    let first = lines.next().map(|(_, line)| line).unwrap_or_default();
+pub(super) fn parse<B: Bytes>(bytes: &mut B) -> Outcome<Header, PlyError, B> {
+    let mut lines = Lines::new(0, 0);
+    let first = lines.next(bytes).map_err(Failure::Input)?.map(|(_, line)| line).unwrap_or_default();
     if first.trim_ascii() != b"ply" {
-        return Err(PlyError::NotPly { found: shown(first) });
+        return Err(PlyError::NotPly { found: shown(first) }.into());
     }
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
-    while let Some((line, content)) = lines.next() {
+    while let Some((line, content)) = lines.next(bytes).map_err(Failure::Input)? {
         let wrong = |expected| PlyError::Header { line, expected, found: shown(content) };
         let mut words = words(content);
         match words.next() {
@@ -64,13 +65,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
                     Some(b"ascii") => Encoding::Ascii,
                     Some(b"binary_little_endian") => Encoding::Binary(ByteOrder::Little),
                     Some(b"binary_big_endian") => Encoding::Binary(ByteOrder::Big),
-                    _ => return Err(wrong("`format` with ascii, binary_little_endian or binary_big_endian")),
+                    _ => {
+                        let expected = "`format` with ascii, binary_little_endian or binary_big_endian";
+                        return Err(wrong(expected).into());
+                    }
                 });
             }
             Some(b"element") => {
                 let expected = "`element NAME COUNT` with a whole count from 0 up";
                 let (Some(name), Some(number), None) = (words.next(), words.next(), words.next()) else {
-                    return Err(wrong(expected));
+                    return Err(wrong(expected).into());
                 };
                 let count = count(number).ok_or_else(|| wrong(expected))?;
                 elements.push(Element { name: text(name), count, properties: Vec::new() });
@@ -85,10 +89,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
                 let encoding = encoding.ok_or(PlyError::NoFormat)?;
                 return Ok(Header { encoding, elements, body: lines.offset(), lines: lines.read() });
             }
-            Some(_) => return Err(wrong("format, element, property, comment, obj_info or end_header")),
+            Some(_) => {
+                return Err(wrong("format, element, property, comment, obj_info or end_header").into());
+            }
         }
     }
-    Err(PlyError::NoEndOfHeader { lines: lines.read() })
+    Err(PlyError::NoEndOfHeader { lines: lines.read() }.into())
 }
 
 fn property<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Option<Property> {
