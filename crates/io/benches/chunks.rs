@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use terrace_io::{ReadOptions, ScanReader, Source};
+use terrace_io::{LabelledPoint, LabelsWriter, PlyExtent, PlyWriter, ReadOptions, ScanReader, Source};
+use terrace_types::PlaneId;
 
 const POINTS: usize = 4_000_000;
 const CHUNK: usize = 1 << 16;
@@ -97,5 +98,33 @@ fn readers(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, readers);
+fn writers(c: &mut Criterion) {
+    // Planes change along rows of points, as in scans.
+    let planes: Vec<_> = (0..CHUNK).map(|i| PlaneId::from_index(i / 50 % 30)).collect();
+    let point = |i: usize| LabelledPoint { position: [i as f64 * 1e-3, 1.0, 2.0], plane: planes[i] };
+    let points: Vec<_> = (0..CHUNK).map(point).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let count = (POINTS / CHUNK * CHUNK) as u64;
+    let mut group = c.benchmark_group("write in chunks");
+    group.sample_size(10).measurement_time(Duration::from_secs(2)).throughput(Throughput::Elements(count));
+    let path = folder.path().join("labels.npy");
+    // Dropped unfinished: what the disk takes to hold the file for good is not measured.
+    group.bench_function("labels", |b| {
+        b.iter(|| {
+            let mut writer = LabelsWriter::create(&path, count).unwrap();
+            (0..POINTS / CHUNK).for_each(|_| writer.push(black_box(&planes).iter().copied()).unwrap());
+        });
+    });
+    for (name, largest) in [("points", 66.0), ("points in double precision", 5000.0)] {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let mut writer = PlyWriter::create(&path, PlyExtent { points: count, largest }).unwrap();
+                (0..POINTS / CHUNK).for_each(|_| writer.push(black_box(&points).iter().copied()).unwrap());
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, readers, writers);
 criterion_main!(benches);

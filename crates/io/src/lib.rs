@@ -72,6 +72,7 @@ pub mod pcd;
 pub mod planes_json;
 pub mod ply;
 mod ply_out;
+mod ply_writer;
 pub mod pose_noise;
 mod read;
 mod scan_reader;
@@ -80,6 +81,7 @@ mod spacing;
 pub mod text;
 mod tokens;
 pub mod trajectory;
+mod unfinished;
 
 pub use atomic::{WriteError, WriteErrorKind, write_atomically};
 pub use cloud::{Cloud, FieldChoice};
@@ -87,12 +89,14 @@ pub use depth::{DepthError, DepthImage};
 pub use file::FileError;
 pub use inspect::{Info, inspect};
 pub use intrinsics::{Intrinsics, IntrinsicsError};
-pub use labels::write_labels_npy;
+pub use labels::{LabelsWriter, write_labels_npy};
 pub use natural::natural_order;
 pub use ply_out::{LabelledPoint, MeasuredPoint, PlyExtent, write_labelled_ply, write_measured_ply};
+pub use ply_writer::{PlyPoint, PlyWriter};
 pub use read::{Counted, ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_counted, read_scan};
 pub use scan_reader::ScanReader;
 pub use source::{Source, SourceError, find_sources, find_uncertain_sources};
+pub use unfinished::abandon_outputs;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
