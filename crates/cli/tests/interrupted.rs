@@ -27,7 +27,7 @@ fn nothing_stays_of_an_interrupted_scene() {
             assert!(begun.elapsed() < Duration::from_secs(60) && run.try_wait().unwrap().is_none());
             std::thread::sleep(Duration::from_millis(5));
         }
-        assert!(names(folder.path()).iter().all(|name| name.ends_with(".part")));
+        assert!(names(folder.path()).iter().all(|name| name.starts_with(".terrace-")));
         assert!(Command::new("kill").args([signal, &run.id().to_string()]).status().unwrap().success());
         assert_eq!(run.wait().unwrap().code(), Some(130));
         assert_eq!(names(folder.path()), [""; 0]);

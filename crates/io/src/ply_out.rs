@@ -61,7 +61,7 @@ pub struct MeasuredPoint {
     pub sigma: f64,
 }
 
-/// Writes points with `x y z`, `red green blue` (see [`palette`]) and `label` (0 for no plane) as binary
+/// Writes points with `x y z`, `red green blue` (see [`palette`](crate::palette)) and `label` (0 for no plane) as binary
 /// little-endian PLY, point by point as they come.
 ///
 /// ```
