@@ -111,6 +111,8 @@ pub struct Labeller {
     reach: f32,
     cells: Vec<Seen>,
     anchors: Vec<DVec3>,
+    /// Where anchors are from the first, in units.
+    from: Vec<[i64; 3]>,
     planes: Vec<Flat>,
     units: Units,
 }
@@ -129,7 +131,7 @@ enum Seen {
 pub struct Measure {
     /// How many there are.
     pub points: u64,
-    /// Sum of where they are from the [point](crate::Region::point) of the plane, in units of the labeller.
+    /// Sum of where they are from the origin of the labeller, in its units.
     sum: [i128; 3],
     /// Sum of their squared distances from the plane, likewise.
     squares: i128,
@@ -145,10 +147,11 @@ impl Measure {
         }
     }
 
-    /// Their mean from the point of the plane, in metres, and their root mean square distance from the plane; not finite without points.
-    pub(crate) fn mean_and_rms(&self, units: Units) -> ([f64; 3], f64) {
-        let points = self.points as f64;
-        let mean = self.sum.map(|sum| sum as f64 * units.length / points);
+    /// Their mean and their root mean square distance from the plane, in metres; not finite without points.
+    pub(crate) fn mean_and_rms(&self, labeller: &Labeller) -> ([f64; 3], f64) {
+        let (points, units) = (self.points as f64, labeller.units);
+        let origin = labeller.anchors.first().copied().unwrap_or_default().to_array();
+        let mean = [0, 1, 2].map(|i| origin[i] + self.sum[i] as f64 * units.length / points);
         (mean, (self.squares as f64 * units.square / points).sqrt())
     }
 }
@@ -198,9 +201,14 @@ impl Labeller {
                 }
             };
         }
+        let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or_default());
+        // Cells too far from the first for a number of 64 bits have the farthest there is.
+        #[allow(clippy::cast_possible_truncation)]
+        let whole = |x: f64| (x / units.length).round() as i64;
+        let from = anchors.iter().map(|anchor| (*anchor - origin).to_array().map(whole)).collect();
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
-        Self { reach: reach as f32, cells, anchors, planes, units: Units::of(field.edge) }
+        Self { reach: reach as f32, cells, anchors, from, planes, units }
     }
 
     /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its
@@ -241,7 +249,7 @@ impl Labeller {
                     if is_near {
                         run.of_one.push(place, self.units);
                         if run.of_one.points % LONGEST == 0 {
-                            run.of_one.flush(near.region, self.units, &mut measures);
+                            run.of_one.flush(near.region, &mut measures);
                         }
                     }
                     label(is_near.then_some(near.region));
@@ -252,7 +260,7 @@ impl Labeller {
                     if let Some(region) = region {
                         let mut alone = self.begin(cell, region);
                         alone.push(place, self.units);
-                        alone.flush(region, self.units, &mut measures);
+                        alone.flush(region, &mut measures);
                     }
                     label(region);
                 }
@@ -268,22 +276,14 @@ impl Labeller {
         let (Some(anchor), Some(plane)) = (anchor, self.planes.get(region as usize)) else {
             return OfRun::default();
         };
-        OfRun {
-            normal: plane.normal,
-            offset: plane.distance(*anchor),
-            from: *anchor - plane.point,
-            ..OfRun::default()
-        }
+        let from = cell.and_then(|cell| self.from.get(cell as usize)).copied().unwrap_or_default();
+        OfRun { normal: plane.normal, offset: plane.distance(*anchor), from, ..OfRun::default() }
     }
 
     fn end(&self, run: &mut Run, measures: &mut [Measure]) {
         if let Seen::One(near) = run.seen {
-            run.of_one.flush(near.region, self.units, measures);
+            run.of_one.flush(near.region, measures);
         }
-    }
-
-    pub(crate) fn units(&self) -> Units {
-        self.units
     }
 }
 
@@ -300,8 +300,8 @@ struct OfRun {
     /// That of the plane, and the distance of the anchor from it.
     normal: DVec3,
     offset: f64,
-    /// Where the anchor is from the point of the plane.
-    from: DVec3,
+    /// Where the anchor is from the origin, in units.
+    from: [i64; 3],
     points: u64,
     /// Sum of places from the anchor.
     sum: DVec3,
@@ -326,18 +326,15 @@ impl OfRun {
 
     /// Hands the sums on, and begins anew.
     #[inline]
-    fn flush(&mut self, region: u32, units: Units, measures: &mut [Measure]) {
+    fn flush(&mut self, region: u32, measures: &mut [Measure]) {
         if let Some(measure) = measures.get_mut(region as usize) {
-            // Whole numbers already; those of places of cells are rounded here.
+            // Whole numbers already, of no more than 53 bits.
             #[allow(clippy::cast_possible_truncation)]
-            let whole = |x: f64| x as i128;
-            let from = (self.from * (1.0 / units.length)).round().to_array().map(whole);
+            let whole = |x: f64| i128::from(x as i64);
             let sum = self.sum.to_array().map(whole);
-            measure.add(&Measure {
-                points: self.points,
-                sum: [0, 1, 2].map(|i| from[i].saturating_mul(self.points.into()).saturating_add(sum[i])),
-                squares: whole(self.squares),
-            });
+            // Fewer than 64 bits and those of a small number: no overflow.
+            let sum = [0, 1, 2].map(|i| i128::from(self.from[i]) * i128::from(self.points) + sum[i]);
+            measure.add(&Measure { points: self.points, sum, squares: whole(self.squares) });
         }
         (self.points, self.sum, self.squares) = (0, DVec3::ZERO, 0.0);
     }

@@ -242,8 +242,7 @@ impl Found {
         }
         let measured = |at: &usize| {
             let (region, measure) = (self.regions[*at], measures.get(*at)?);
-            let (mean, rms) = measure.mean_and_rms(self.labeller.units());
-            let centroid = [0, 1, 2].map(|i| region.point[i] + mean[i]);
+            let (centroid, rms) = measure.mean_and_rms(&self.labeller);
             Some(Region { points: measure.points, centroid, rms, ..region })
         };
         self.regions = order.iter().filter_map(measured).collect();

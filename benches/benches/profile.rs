@@ -1,0 +1,116 @@
+//! Where the time of the default method goes, part by part, beside what it takes to only read the points.
+//!
+//! `cargo bench -p terrace-benches --bench profile [-- POINTS]`
+//!
+//! The parts are called as `Mapper` calls them, on one thread, each after the other, five times; CPU time is that of the fastest run of
+//! each part: what others do on the machine only adds.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use terrace::choose_cell_size;
+use terrace_benches::Usage;
+use terrace_grid::{PointErrors, VoxelGrid};
+use terrace_regions::{Cell, Samples, Settings, find};
+use terrace_synth::Scene;
+use terrace_types::{Frame, Sigma};
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+const RUNS: usize = 5;
+const PARTS: [&str; 9] = [
+    "read the points: sum of their coordinates",
+    "choose the cell size",
+    "to the world",
+    "cells and sums",
+    "samples",
+    "cells of the cell size",
+    "regions as cells",
+    "find regions",
+    "label and measure points",
+];
+
+fn main() -> Outcome<()> {
+    if !std::env::args().any(|a| a == "--bench") {
+        println!("nothing is measured without `cargo bench`");
+        return Ok(());
+    }
+    let asked = std::env::args().skip(1).find_map(|a| a.parse().ok());
+    let points: usize = asked.unwrap_or(3_000_000);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| profile(points))
+}
+
+fn profile(points: usize) -> Outcome<()> {
+    let params = terrace_synth::Params { points: Some(points), ..Default::default() };
+    let scene = Scene::room();
+    let scans: Vec<_> = scene.chunks(&params, usize::MAX)?.map(|chunk| chunk.scan.scan).collect();
+    let mut best = [f64::INFINITY; PARTS.len()];
+    let (mut planes, mut occupied) = (0, 0);
+    for _ in 0..RUNS {
+        let mut clock = Usage::now()?.cpu;
+        let mut part = 0;
+        let mut done = |best: &mut [f64; PARTS.len()]| -> Outcome<()> {
+            let now = Usage::now()?.cpu;
+            best[part] = best[part].min(now - clock);
+            part += 1;
+            clock = now;
+            Ok(())
+        };
+        let all = scans.iter().flat_map(|scan| scan.points());
+        black_box(all.fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]));
+        done(&mut best)?;
+        let first = scans.first().ok_or("no scan")?;
+        let size = choose_cell_size(first).ok_or("no cell size")?.cell_size;
+        done(&mut best)?;
+        let moved: Vec<Vec<[f64; 3]>> = scans
+            .iter()
+            .map(|scan| match scan.frame() {
+                Frame::Sensor { pose } => scan.points().iter().map(|p| pose.transform(*p)).collect(),
+                Frame::World { .. } => scan.points().to_vec(),
+            })
+            .collect();
+        done(&mut best)?;
+        let mut grid = VoxelGrid::of_halves(size)?;
+        let (mut cells, mut places) = (Vec::new(), Vec::new());
+        for (points, scan) in moved.iter().zip(&scans) {
+            let errors = match scan.sigma() {
+                Sigma::PerPoint(all) => PointErrors::Each(all),
+                _ => PointErrors::None,
+            };
+            grid.insert_all(points, errors, &mut cells, Some(&mut places))?;
+        }
+        done(&mut best)?;
+        let mut samples = Samples::default();
+        let known = cells
+            .iter()
+            .zip(&places)
+            .filter_map(|(cell, place)| Some((u32::try_from((*cell)?.index()).ok()?, *place)));
+        samples.push_all(known);
+        done(&mut best)?;
+        black_box(grid.halved()?);
+        done(&mut best)?;
+        let fine: Vec<Cell> =
+            grid.founded().map(|cell| Cell { key: cell.key(), stats: cell.stats() }).collect();
+        done(&mut best)?;
+        let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
+        let found = find(&fine, grid.cell_size(), cells.len() as u64, of_cell, &Settings::default())?;
+        done(&mut best)?;
+        let mut labels: Vec<Option<u32>> = Vec::with_capacity(cells.len());
+        let known = cells.iter().zip(&places);
+        let known =
+            known.map(|(cell, place)| (cell.and_then(|cell| u32::try_from(cell.index()).ok()), *place));
+        black_box(found.labeller.label_all(known, |label| labels.push(label)));
+        black_box(&labels);
+        done(&mut best)?;
+        (planes, occupied) = (found.regions.len(), fine.len());
+    }
+    println!("{points} points, {occupied} cells, {planes} planes");
+    println!("| part | ms | ns per point |\n|---|---|---|");
+    for (part, seconds) in PARTS.iter().zip(best) {
+        println!("| {part} | {:.1} | {:.2} |", 1e3 * seconds, 1e9 * seconds / points as f64);
+    }
+    let all: f64 = best[1..].iter().sum();
+    println!("| all but reading | {:.1} | {:.2} |", 1e3 * all, 1e9 * all / points as f64);
+    Ok(())
+}
