@@ -1,5 +1,6 @@
 //! From cells and points to planes and labels.
 
+use crate::again::grow_again;
 use crate::around::Arounds;
 use crate::bend::Bend;
 use crate::cell::Noise;
@@ -254,8 +255,13 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Nois
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
     let mut arounds = Arounds::of(field);
-    let mut grow =
-        |noise: Noise, spread: f64| grow(&mut arounds, Growth { noise, spread, without: settings.leave_out });
+    let mut grow = |noise: Noise, spread: f64| {
+        let growth = Growth { noise, spread, without: settings.leave_out };
+        let grown = grow(&mut arounds, growth);
+        // Regions that come to nothing have kept others from what they took.
+        let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
+        if spread > 0.0 { grow_again(&mut arounds, growth, grown, tilt) } else { grown }
+    };
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(stated, 0.0);
         if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {
