@@ -24,12 +24,21 @@ pub(crate) fn grow_again(
 ) -> Vec<Region> {
     let field = arounds.field();
     for _ in 0..TIMES {
-        regions.retain(|region| region.fitted.tilt.max(shared_tilt(field, growth.noise, region)) <= tilt);
+        let before = regions.len();
+        regions.retain(|region| is_sure(field, growth.noise, region, tilt));
+        if regions.len() == before {
+            break;
+        }
         regions.sort_by_key(|region| Reverse(region.fitted.sums.count()));
         let mut growing = Growing::of(arounds, growth);
         regions = regions.iter().filter_map(|region| growing.again(region)).collect();
     }
     regions
+}
+
+/// Whether the orientation of a region is known to `tilt`, in radians, by the errors of its points and by what they share.
+pub(crate) fn is_sure(field: &Field, noise: Noise, region: &Region, tilt: f64) -> bool {
+    region.fitted.tilt <= tilt && shared_tilt(field, noise, region) <= tilt
 }
 
 /// Standard error of the orientation where it is least sure, in radians, by what the points of a coarser cell are off together: steps of

@@ -107,7 +107,7 @@ impl<'a, 'f> Growing<'a, 'f> {
     /// Grows a region from the plane around its seed.
     fn region(&mut self, seed: Seed) -> Option<Region> {
         let plane = self.arounds.get(seed.level, seed.group as usize)?.plane;
-        self.settled(seed, plane, 0.0)
+        self.settled(seed, plane, 0.0, 0)
     }
 
     /// Grows a region once more, from its own plane; `None` when others have most of its cells by now.
@@ -116,13 +116,12 @@ impl<'a, 'f> Growing<'a, 'f> {
         if !self.is_free(cells.iter().copied()) {
             return None;
         }
-        self.settled(region.seed, plane, self.spread(cells, &plane))
+        self.settled(region.seed, plane, self.spread(cells, &plane), cells.len())
     }
 
-    /// Grows and fits until both stay; the cells are of no other region then.
-    fn settled(&mut self, seed: Seed, mut plane: Flat, mut spread: f64) -> Option<Region> {
+    /// Grows and fits until the number of cells stays; they are of no other region then.
+    fn settled(&mut self, seed: Seed, mut plane: Flat, mut spread: f64, mut before: usize) -> Option<Region> {
         let field = self.field;
-        let mut before = 0;
         let mut found: Option<Region> = None;
         let rounds = if self.growth.without == Some(Step::Refit) { 1 } else { ROUNDS };
         for _ in 0..rounds {
