@@ -81,7 +81,7 @@ mod tests {
             shared_tilt(&field, NOISE, &regions[0])
         };
         // Up and down by an error from point to point.
-        let even = |x: f64, y: f64| if ((x + y) * 50.0).round() as i64 % 2 == 0 { 0.02 } else { -0.02 };
+        let even = |x: f64, y: f64| 0.02 * ((x + y) * 50.0 * std::f64::consts::PI).cos().signum();
         assert_eq!(tilt(&even).to_bits(), 0.0_f64.to_bits());
         // And from tile to tile of four cells: nine of them, each off by one and a half errors.
         let tiles =
@@ -90,5 +90,27 @@ mod tests {
         // 36 coarser cells over a square of 1.2 m.
         let expected = (0.03_f64.powi(2) - 0.2 * 0.02_f64.powi(2)).sqrt() / 6.0 / (1.2 / 12.0_f64.sqrt());
         assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+    }
+
+    #[test]
+    fn what_an_unsure_region_held_is_given_back() {
+        let field = field(&square(|x, y| [x, y, 0.05]));
+        let mut arounds = Arounds::of(&field);
+        let grown = grow(&mut arounds, SPREAD);
+        let [whole] = &grown[..] else { panic!() };
+        assert_eq!(grow_again(&mut arounds, SPREAD, grown.clone(), 0.01)[0].cells, whole.cells);
+        assert!(grow_again(&mut arounds, SPREAD, grown.clone(), 1e-9).is_empty());
+        // One half is held by a region whose orientation is not known.
+        let (own, held) = whole.cells.split_at(whole.cells.len() / 2);
+        let of = |cells: &[u32]| Region {
+            cells: cells.to_vec(),
+            fitted: field.fit(cells, NOISE).unwrap(),
+            seed: whole.seed,
+        };
+        let mut unsure = of(held);
+        unsure.fitted.tilt = 0.1;
+        let again = grow_again(&mut arounds, SPREAD, vec![unsure, of(own)], 0.01);
+        let [region] = &again[..] else { panic!() };
+        assert_eq!(region.cells.len(), whole.cells.len());
     }
 }
