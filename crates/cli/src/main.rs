@@ -18,8 +18,19 @@ use clap::Parser;
 
 use crate::args::{Cli, Command};
 
+/// What shells take for the exit code of a program that was interrupted.
+const INTERRUPTED: i32 = 130;
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    // Without a handler the program ends at once, and what it has half-written stays.
+    let handled = ctrlc::set_handler(|| {
+        terrace_io::abandon_outputs();
+        std::process::exit(INTERRUPTED);
+    });
+    if let Err(error) = handled {
+        eprintln!("terrace: warning: interrupted, it may leave unfinished files: {error}");
+    }
     let outcome = match &cli.command {
         Command::Extract(args) => commands::extract::run(args),
         Command::Eval(args) => commands::eval::run(args),

@@ -15,8 +15,8 @@ use terrace_stats::UncertainVector;
 const POINTS: usize = 10_000_000;
 const CELL: f64 = 0.1;
 const SIGMA: f64 = 0.005;
-/// Length, width and height.
-const HALL: [f64; 3] = [30.0, 16.0, 5.0];
+/// Where floor and walls begin, and where they end. Points of the ceiling alone are on both sides of the face of a voxel.
+const HALL: [[f64; 3]; 2] = [[0.03, 0.05, 0.06], [30.06, 16.05, 5.0]];
 const IMAGE: [u32; 2] = [640, 480];
 
 /// Depth images from a walk through the hall, pixel by pixel.
@@ -24,7 +24,7 @@ fn scans() -> Vec<[f64; 3]> {
     let mut points = Vec::with_capacity(POINTS);
     for image in 0.. {
         let along = f64::from(image) * 0.618_033_988_75 % 1.0;
-        let camera = [HALL[0] * (0.1 + 0.8 * along), HALL[1] * (0.25 + 0.5 * (7.0 * along % 1.0)), 1.6];
+        let camera = [3.0 + 24.0 * along, 4.0 + 8.0 * (7.0 * along % 1.0), 1.6];
         let (yaw, pitch) = (2.4 * f64::from(image), 0.4 * (3.1 * f64::from(image)).sin());
         let ahead = [yaw.cos() * pitch.cos(), yaw.sin() * pitch.cos(), pitch.sin()];
         let left = [-yaw.sin(), yaw.cos(), 0.0];
@@ -36,7 +36,7 @@ fn scans() -> Vec<[f64; 3]> {
             let x = (f64::from(pixel % IMAGE[0]) - 0.5 * f64::from(IMAGE[0])) / 525.0;
             let y = (f64::from(pixel / IMAGE[0]) - 0.5 * f64::from(IMAGE[1])) / 525.0;
             let ray = [0, 1, 2].map(|i| ahead[i] - x * left[i] - y * up[i]);
-            let to_wall = |i: usize| ((if ray[i] > 0.0 { HALL[i] } else { 0.0 }) - camera[i]) / ray[i];
+            let to_wall = |i: usize| (HALL[usize::from(ray[i] > 0.0)][i] - camera[i]) / ray[i];
             let depth = to_wall(0).min(to_wall(1)).min(to_wall(2));
             // Two centimetres without a generator: the golden ratio spreads the pixels evenly.
             let noise = 4.0 * SIGMA * ((f64::from(pixel) * 0.618_033_988_75).fract() - 0.5);

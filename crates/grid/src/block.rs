@@ -12,8 +12,8 @@ const BITS: u32 = 3;
 /// Voxels of a block.
 pub(crate) const VOXELS: usize = 1 << (3 * BITS);
 
-/// Parts of a grid. Each block is of one of them, told by its key.
-pub(crate) const PARTS: usize = 64;
+/// Parts of a grid, so many that the cells of one stay in the cache. Each block is of one of them, told by its key.
+pub(crate) const PARTS: usize = 128;
 
 /// Index of a block along x, y and z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

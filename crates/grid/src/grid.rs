@@ -109,8 +109,8 @@ impl VoxelGrid {
         Ok(())
     }
 
-    /// The cells in the order in which they were founded.
-    pub(crate) fn founded(&self) -> impl Iterator<Item = Cell<'_>> {
+    /// All cells in the order in which they were founded: that of [`CellId::index`].
+    pub fn founded(&self) -> impl Iterator<Item = Cell<'_>> {
         let with_id = |(index, home): (usize, &Home)| Some(self.cell(CellId::from_index(index)?, *home));
         self.homes.iter().enumerate().filter_map(with_id)
     }

@@ -42,6 +42,7 @@ mod cell;
 mod dense;
 mod error;
 mod grid;
+mod halved;
 mod insert;
 mod key;
 mod neighbourhood;

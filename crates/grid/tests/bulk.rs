@@ -216,7 +216,7 @@ fn walls(points: u32, step: u32) -> Vec<[f64; 3]> {
     let at = |i: u32| {
         let (u, v) = (f64::from(i / 2 % 1000) * 0.004, f64::from(i / 2000) * 0.005);
         let noise = 0.03 * (f64::from(i) * 0.618_033_988_75).fract();
-        if i % 2 == 0 { [u, v, noise - 0.01] } else { [noise + 5e5, u, v - 4.0] }
+        if i.is_multiple_of(2) { [u, v, noise - 0.01] } else { [noise + 5e5, u, v - 4.0] }
     };
     (0..points).map(|i| at((u64::from(i) * u64::from(step) % u64::from(points)) as u32)).collect()
 }
@@ -244,7 +244,7 @@ fn one_by_one_and_at_once_in_turn() {
     let mut expected = grid.clone();
     let (mut cells, mut one_by_one) = (Vec::new(), Vec::new());
     for (at, some) in points.chunks(500).enumerate() {
-        if at % 2 == 0 {
+        if at.is_multiple_of(2) {
             cells.extend(some.iter().map(|p| grid.insert(&UncertainVector::exact(*p)).ok()));
         } else {
             grid.insert_all(some, PointErrors::None, &mut cells, None).unwrap();

@@ -3,6 +3,11 @@
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use crate::unfinished::Unfinished;
+
+/// Bytes gathered before they are handed to the system.
+const BUFFER: usize = 1 << 16;
+
 /// Why a file could not be written. Nothing is left behind: an older file of that name stands as it was.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {kind}", path.display())]
@@ -63,18 +68,55 @@ fn write_aside(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), WriteErrorKind>,
 ) -> Result<(), WriteErrorKind> {
-    // A bare file name has the empty path as its parent.
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    // Temporary files are private by default; an output is as readable as any file the user makes.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.prefix(".terrace-").suffix(".part").tempfile_in(folder)?;
-    let mut out = BufWriter::with_capacity(1 << 16, file);
-    write(&mut out)?;
-    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
+    let mut file = FileAside::create(path)?;
+    write(&mut file)?;
+    file.finish()
+}
+
+/// A file that is written aside and gets its name when it is finished. One that is dropped before is removed.
+#[derive(Debug)]
+pub(crate) struct FileAside {
+    path: PathBuf,
+    out: BufWriter<Unfinished>,
+}
+
+impl FileAside {
+    /// Makes missing folders and a file beside `path`.
+    pub(crate) fn create(path: &Path) -> Result<Self, WriteErrorKind> {
+        // A bare file name has the empty path as its parent.
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder)?;
+        let mut builder = tempfile::Builder::new();
+        // Temporary files are private by default; an output is as readable as any file the user makes.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        builder.prefix(".terrace-").suffix(".part");
+        let file = Unfinished::create(|| builder.tempfile_in(folder))?;
+        Ok(Self { path: path.to_owned(), out: BufWriter::with_capacity(BUFFER, file) })
+    }
+
+    /// Puts the file on disk and renames it into place.
+    pub(crate) fn finish(self) -> Result<(), WriteErrorKind> {
+        let file = self.out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(file.persist(&self.path)?)
+    }
+
+    /// The name that the file will have.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Write for FileAside {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.out.write_all(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }

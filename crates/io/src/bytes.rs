@@ -100,15 +100,12 @@ impl FileBytes {
     /// Makes the buffer start at `at` and hold `size` bytes at least.
     fn fill(&mut self, at: u64, size: usize) -> io::Result<()> {
         let held = at.checked_sub(self.from).and_then(|skip| usize::try_from(skip).ok());
-        match held.filter(|skip| *skip <= self.filled) {
-            Some(skip) => {
-                self.buffer.copy_within(skip..self.filled, 0);
-                self.filled -= skip;
-            }
-            None => {
-                self.filled = 0;
-                self.file.seek(SeekFrom::Start(at))?;
-            }
+        if let Some(skip) = held.filter(|skip| *skip <= self.filled) {
+            self.buffer.copy_within(skip..self.filled, 0);
+            self.filled -= skip;
+        } else {
+            self.filled = 0;
+            self.file.seek(SeekFrom::Start(at))?;
         }
         self.from = at;
         if self.buffer.len() < size.max(PIECE) {
@@ -146,12 +143,11 @@ impl Bytes for FileBytes {
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         let held = at.checked_sub(self.from).and_then(|skip| usize::try_from(skip).ok());
-        let start = match held.filter(|skip| skip.saturating_add(size) <= self.filled) {
-            Some(skip) => skip,
-            None => {
-                self.fill(at, size)?;
-                0
-            }
+        let start = if let Some(skip) = held.filter(|skip| skip.saturating_add(size) <= self.filled) {
+            skip
+        } else {
+            self.fill(at, size)?;
+            0
         };
         Ok(self.buffer.get(start..start + size).unwrap_or_default())
     }

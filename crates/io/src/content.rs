@@ -16,7 +16,7 @@ use crate::{Cloud, FieldChoice, npy, pcd, ply, source, text};
 const HEAD: usize = 1 << 12;
 
 pub(crate) enum Content {
-    Cloud(Points),
+    Cloud(Box<Points>),
     Depth(DepthImage),
 }
 
@@ -80,7 +80,7 @@ impl Content {
             Format::Foreign(name, advice) => return Err(ReadErrorKind::Foreign { name, advice }),
             Format::Unknown => return Err(ReadErrorKind::Unknown),
         };
-        Ok(Self::Cloud(Points { bytes, format }))
+        Ok(Self::Cloud(Box::new(Points { bytes, format })))
     }
 }
 

@@ -15,8 +15,8 @@
 //! | written | by |
 //! |---|---|
 //! | `planes.json` | [`planes_json::PlanesFile::write`] |
-//! | labels as int32 NPY | [`write_labels_npy`] |
-//! | points coloured by plane as binary PLY | [`write_labelled_ply`], with σ [`write_measured_ply`] |
+//! | labels as int32 NPY | [`write_labels_npy`], in chunks [`LabelsWriter`] |
+//! | points coloured by plane as binary PLY | [`write_labelled_ply`], with σ [`write_measured_ply`], in chunks [`PlyWriter`] |
 //!
 //! **Three levels.** [`find_sources`] turns files, folders and patterns into a list of scans with their poses;
 //! [`read_scan`] reads one of them, whatever its format; below are functions from bytes to a [`Cloud`], a [`DepthImage`]
@@ -49,9 +49,13 @@
 //! within a stated multiple of the size of the file. [`WriteError`], [`ReadError`], [`SourceError`] and [`FileError`]
 //! name the file as well.
 //!
-//! **Outputs** are written aside and renamed into place by [`write_atomically`]: they are there whole, or not at all.
+//! **Files larger than memory** are read by [`ScanReader`] in chunks, and what belongs to their points is written in
+//! chunks. [`read_scan`] holds all points of a file, but not its bytes.
 //!
-//! **Limits.** A file is held in memory as a whole. No LAS, E57 or ROS bags: export them to PLY or PCD. One camera model:
+//! **Outputs** are written aside and renamed into place, as [`write_atomically`] does: they are there whole, or not at all.
+//! A program that is interrupted calls [`abandon_outputs`].
+//!
+//! **Limits.** No LAS, E57 or ROS bags: export them to PLY or PCD. One camera model:
 //! the pinhole without distortion.
 
 mod atomic;
@@ -72,6 +76,7 @@ pub mod pcd;
 pub mod planes_json;
 pub mod ply;
 mod ply_out;
+mod ply_writer;
 pub mod pose_noise;
 mod read;
 mod scan_reader;
@@ -80,6 +85,7 @@ mod spacing;
 pub mod text;
 mod tokens;
 pub mod trajectory;
+mod unfinished;
 
 pub use atomic::{WriteError, WriteErrorKind, write_atomically};
 pub use cloud::{Cloud, FieldChoice};
@@ -87,12 +93,14 @@ pub use depth::{DepthError, DepthImage};
 pub use file::FileError;
 pub use inspect::{Info, inspect};
 pub use intrinsics::{Intrinsics, IntrinsicsError};
-pub use labels::write_labels_npy;
+pub use labels::{LabelsWriter, write_labels_npy};
 pub use natural::natural_order;
 pub use ply_out::{LabelledPoint, MeasuredPoint, PlyExtent, write_labelled_ply, write_measured_ply};
+pub use ply_writer::{PlyPoint, PlyWriter};
 pub use read::{Counted, ErrorSource, ReadError, ReadErrorKind, ReadOptions, read_counted, read_scan};
 pub use scan_reader::ScanReader;
 pub use source::{Source, SourceError, find_sources, find_uncertain_sources};
+pub use unfinished::abandon_outputs;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

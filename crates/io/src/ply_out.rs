@@ -1,11 +1,11 @@
 //! Points coloured by plane as binary PLY.
 
-use std::io::Write;
 use std::path::Path;
 
 use terrace_types::PlaneId;
 
-use crate::{WriteError, WriteErrorKind, palette, write_atomically};
+use crate::ply_writer::PlyPoint;
+use crate::{PlyWriter, WriteError};
 
 /// From this coordinate on, in metres, positions are written in double precision: a millimetre must survive.
 const DOUBLE_FROM: f64 = 1000.0;
@@ -26,6 +26,18 @@ impl PlyExtent {
             points: extent.points + 1,
             largest: p.iter().fold(extent.largest, |m, x| m.max(x.abs())),
         })
+    }
+
+    /// Counts and measures more points.
+    pub fn add(&mut self, points: impl IntoIterator<Item = [f64; 3]>) {
+        let more = Self::of(points);
+        self.points += more.points;
+        self.largest = self.largest.max(more.largest);
+    }
+
+    /// Whether positions are written in double precision.
+    pub fn is_double(&self) -> bool {
+        self.largest >= DOUBLE_FROM
     }
 }
 
@@ -49,7 +61,7 @@ pub struct MeasuredPoint {
     pub sigma: f64,
 }
 
-/// Writes points with `x y z`, `red green blue` (see [`palette`]) and `label` (0 for no plane) as binary
+/// Writes points with `x y z`, `red green blue` (see [`palette`](crate::palette)) and `label` (0 for no plane) as binary
 /// little-endian PLY, point by point as they come.
 ///
 /// ```
@@ -72,8 +84,7 @@ pub fn write_labelled_ply(
     extent: PlyExtent,
     points: impl IntoIterator<Item = LabelledPoint>,
 ) -> Result<(), WriteError> {
-    let points = points.into_iter().map(|p| (p.position, p.plane, None));
-    write_atomically(path, |out| write(out, extent, "", points))
+    write(path, extent, points)
 }
 
 /// Writes points as [`write_labelled_ply`] does, with their standard error as a `float` property `sigma`, where the
@@ -86,54 +97,15 @@ pub fn write_measured_ply(
     extent: PlyExtent,
     points: impl IntoIterator<Item = MeasuredPoint>,
 ) -> Result<(), WriteError> {
-    let points = points.into_iter().map(|p| (p.position, p.plane, Some(p.sigma)));
-    write_atomically(path, |out| write(out, extent, "property float sigma\n", points))
+    write(path, extent, points)
 }
 
-fn write(
-    out: &mut dyn Write,
+fn write<P: PlyPoint>(
+    path: &Path,
     extent: PlyExtent,
-    sigma_property: &str,
-    points: impl Iterator<Item = ([f64; 3], Option<PlaneId>, Option<f64>)>,
-) -> Result<(), WriteErrorKind> {
-    let (expected, double) = (extent.points, extent.largest >= DOUBLE_FROM);
-    let scalar = if double { "double" } else { "float" };
-    write!(
-        out,
-        "ply\nformat binary_little_endian 1.0\ncomment terrace: lengths in metres, label 0 is no plane\n\
-         element vertex {expected}\n\
-         property {scalar} x\nproperty {scalar} y\nproperty {scalar} z\n{sigma_property}\
-         property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int label\nend_header\n"
-    )?;
-    let mut found = 0;
-    let mut record = Vec::with_capacity(40);
-    for (position, plane, sigma) in points {
-        found += 1;
-        if found > expected {
-            break;
-        }
-        for value in position.into_iter().chain(sigma) {
-            if !value.is_finite() {
-                return Err(WriteErrorKind::NotFinite { what: format!("point {}", found - 1), value });
-            }
-        }
-        record.clear();
-        for value in position {
-            if double {
-                record.extend(value.to_le_bytes());
-            } else {
-                record.extend(single(value).to_le_bytes());
-            }
-        }
-        record.extend(sigma.iter().flat_map(|s| single(*s).to_le_bytes()));
-        record.extend(palette::colour_of(plane));
-        record.extend(PlaneId::label(plane).to_le_bytes());
-        out.write_all(&record)?;
-    }
-    if found == expected { Ok(()) } else { Err(WriteErrorKind::Count { expected, found }) }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "single precision is what the file holds")]
-fn single(value: f64) -> f32 {
-    value as f32
+    points: impl IntoIterator<Item = P>,
+) -> Result<(), WriteError> {
+    let mut writer = PlyWriter::create(path, extent)?;
+    writer.push(points)?;
+    writer.finish()
 }

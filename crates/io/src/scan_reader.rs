@@ -55,7 +55,7 @@ pub struct ScanReader {
 
 /// Where the next points come from.
 enum Chunks {
-    Cloud(Points),
+    Cloud(Box<Points>),
     /// An image until it is given.
     Depth(Option<Vec<[f64; 3]>>),
 }

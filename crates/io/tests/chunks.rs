@@ -209,7 +209,9 @@ proptest! {
         let files = good_files(5);
         let good = &files[which.index(files.len())];
         let mut bytes = good.bytes.clone();
-        all.iter().for_each(|damage| apply(&mut bytes, damage));
+        for damage in &all {
+            apply(&mut bytes, damage);
+        }
         let place = Place::new();
         check(&place.file(good.format, &bytes), size, &good.name);
     }

@@ -1,7 +1,8 @@
 //! Memory of reading in chunks: it is that of a chunk, however large the file. A binary of its own, because the peak is
 //! that of the process; one test in it, because tests run side by side.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 mod formats_support;
 

@@ -11,8 +11,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use terrace_io::{
-    FieldChoice, LabelledPoint, MeasuredPoint, PlyExtent, WriteErrorKind, npy, palette, ply,
-    write_atomically, write_labelled_ply, write_labels_npy, write_measured_ply,
+    FieldChoice, LabelledPoint, LabelsWriter, MeasuredPoint, PlyExtent, PlyWriter, WriteErrorKind, npy,
+    palette, ply, write_atomically, write_labelled_ply, write_labels_npy, write_measured_ply,
 };
 use terrace_types::{PlaneId, Sigma};
 
@@ -54,6 +54,71 @@ proptest! {
             other => prop_assert!(positions.is_empty(), "{:?}", other),
         }
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn chunks_make_the_same_file(
+        // More than a block of either writer.
+        labels in prop::collection::vec(0..40_u32, 0..40_000),
+        mut cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..5),
+        size in prop::sample::select(vec![1.0, 5e3]),
+    ) {
+        cuts.sort_by_key(|cut| cut.index(labels.len() + 1));
+        let places = cuts.iter().map(|cut| cut.index(labels.len() + 1));
+        let places: Vec<usize> = std::iter::once(0).chain(places).chain([labels.len()]).collect();
+        let chunks = || places.windows(2).map(|ends| ends[0]..ends[1]);
+        let planes: Vec<_> = labels.iter().map(|label| PlaneId::new(*label)).collect();
+        let point = |i: usize| MeasuredPoint { position: [i as f64 * size, 0.5, -1.0], plane: planes[i], sigma: 0.25 };
+        let points: Vec<_> = (0..planes.len()).map(point).collect();
+        let bare = |p: &MeasuredPoint| LabelledPoint { position: p.position, plane: p.plane };
+        let extent = PlyExtent::of(points.iter().map(|p| p.position));
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name| folder.path().join(name);
+        let same = |a, b| std::fs::read(path(a)).unwrap() == std::fs::read(path(b)).unwrap();
+
+        write_labels_npy(&path("a"), planes.iter().copied(), planes.len() as u64).unwrap();
+        let mut writer = LabelsWriter::create(&path("b"), planes.len() as u64).unwrap();
+        chunks().for_each(|chunk| writer.push(planes[chunk].iter().copied()).unwrap());
+        prop_assert!(!path("b").exists());
+        writer.finish().unwrap();
+        prop_assert!(same("a", "b"));
+        let read = npy::read_labels(&std::fs::read(path("b")).unwrap()).unwrap();
+        prop_assert_eq!(read, labels.iter().map(|l| l.cast_signed()).collect::<Vec<_>>());
+
+        write_measured_ply(&path("c"), extent, points.iter().copied()).unwrap();
+        let mut writer = PlyWriter::create(&path("d"), extent).unwrap();
+        chunks().for_each(|chunk| writer.push(points[chunk].iter().copied()).unwrap());
+        writer.finish().unwrap();
+        prop_assert!(same("c", "d"));
+
+        write_labelled_ply(&path("e"), extent, points.iter().map(bare)).unwrap();
+        let mut writer = PlyWriter::create(&path("f"), extent).unwrap();
+        chunks().for_each(|chunk| writer.push(points[chunk].iter().map(bare)).unwrap());
+        writer.finish().unwrap();
+        prop_assert!(same("e", "f"));
+        let cloud = ply::read(&std::fs::read(path("f")).unwrap(), &FieldChoice::Automatic).unwrap();
+        prop_assert_eq!(cloud.points, points.iter().map(|p| p.position).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn an_unfinished_writer_leaves_the_older_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.npy");
+    std::fs::write(&path, b"old").unwrap();
+    let mut writer = LabelsWriter::create(&path, 2).unwrap();
+    writer.push([None]).unwrap();
+    assert_eq!(files(folder.path()), 2);
+    assert!(writer.push([None, None]).unwrap_err().to_string().contains("3 records"));
+    drop(writer);
+    let mut writer = PlyWriter::create(&path, PlyExtent { points: 2, largest: 0.0 }).unwrap();
+    writer.push([LabelledPoint { position: [0.0; 3], plane: None }]).unwrap();
+    assert!(writer.finish().unwrap_err().to_string().contains("1 records were given where 2"));
+    assert_eq!(files(folder.path()), 1);
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl Mapper {
             estimate_planes(&mut planes, cells, &plane_of_node)
         });
         let labels: Vec<_> =
-            self.cells_of_points().par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+            self.kept().cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
         face_sensors(&mut planes, &labels, self.views());
         let noise = estimated.and_then(|errors| errors.level);
         let cells = nodes

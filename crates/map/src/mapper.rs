@@ -1,25 +1,51 @@
 //! The growing map: scans in.
 
-use terrace_grid::{CellId, GridError, VoxelGrid};
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+use terrace_grid::{CellId, GridError, PointErrors, Taken, VoxelGrid};
 use terrace_noise::PoseNoise;
-use terrace_stats::{SymmetricMatrix3, UncertainVector};
-use terrace_types::{Scan, WorldPoint};
+use terrace_regions::Samples;
+use terrace_stats::UncertainVector;
+use terrace_types::{Frame, Scan, Sigma};
 
 use crate::cell_size::choose_from;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting};
+
+/// Points that are moved to the world at once.
+const AT_ONCE: usize = 1 << 20;
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
 #[derive(Debug, Clone)]
 pub struct Mapper {
     params: Params,
     chosen: Option<CellSizeChoice>,
-    grid: Option<VoxelGrid>,
-    /// The cell of every point so far, scan after scan; `None` for points that were left out.
-    cell_of_point: Vec<Option<CellId>>,
-    /// Where each point is, from the centre of its voxel, where labels are those of points.
-    places: Vec<[f32; 3]>,
+    /// The cells that points are added to: of half the cell size where regions are grown.
+    fine: Option<VoxelGrid>,
+    /// Cells of the cell size, where they are not those that points are added to.
+    coarse: OnceLock<Option<Coarse>>,
+    /// Some points of each fine cell, where regions are grown.
+    samples: Samples,
+    kept: Kept,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
+}
+
+/// Cells of the cell size, made of those of half of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Coarse {
+    pub(crate) grid: VoxelGrid,
+    /// For each fine cell, the one it is a part of.
+    pub(crate) of: Vec<CellId>,
+}
+
+/// What is kept of every point so far, scan after scan.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Kept {
+    /// The fine cell; `None` for points that were left out.
+    pub(crate) cells: Vec<Option<CellId>>,
+    /// Where it is, from the centre of its voxel, where labels are those of points.
+    pub(crate) places: Vec<[f32; 3]>,
 }
 
 /// The points of a scan and where they were seen from.
@@ -54,9 +80,10 @@ impl Mapper {
         Ok(Self {
             params,
             chosen: None,
-            grid: None,
-            cell_of_point: Vec::new(),
-            places: Vec::new(),
+            fine: None,
+            coarse: OnceLock::new(),
+            samples: Samples::default(),
+            kept: Kept::default(),
             views: Vec::new(),
         })
     }
@@ -77,9 +104,35 @@ impl Mapper {
         &self.params
     }
 
-    /// The grid, from the first scan on.
+    /// The grid, from the first scan on. Where regions are grown it is made of cells of half the size when it is asked for the first
+    /// time after an insertion.
     pub fn grid(&self) -> Option<&VoxelGrid> {
-        self.grid.as_ref()
+        if self.params.grows().is_some() {
+            self.coarse().map(|coarse| &coarse.grid)
+        } else {
+            self.fine.as_ref()
+        }
+    }
+
+    /// The cells that points are added to.
+    pub(crate) fn fine(&self) -> Option<&VoxelGrid> {
+        self.fine.as_ref()
+    }
+
+    pub(crate) fn coarse(&self) -> Option<&Coarse> {
+        let made = || {
+            let (grid, of) = self.fine.as_ref()?.halved().ok()?;
+            Some(Coarse { grid, of })
+        };
+        self.coarse.get_or_init(made).as_ref()
+    }
+
+    pub(crate) fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    pub(crate) fn kept(&self) -> &Kept {
+        &self.kept
     }
 
     /// The cell size that was chosen from the first scan; `None` when one was given, or before the first scan.
@@ -89,25 +142,25 @@ impl Mapper {
 
     /// Number of points so far, absent ones included: the number of labels.
     pub fn len(&self) -> usize {
-        self.cell_of_point.len()
+        self.views.iter().map(|view| view.points).sum()
     }
 
     /// Whether no scan with a point was inserted.
     pub fn is_empty(&self) -> bool {
-        self.cell_of_point.is_empty()
+        self.len() == 0
     }
 
     /// The cell of each point so far, scan after scan; `None` for points that were left out.
-    pub fn cells_of_points(&self) -> &[Option<CellId>] {
-        &self.cell_of_point
+    pub fn cells_of_points(&self) -> impl ExactSizeIterator<Item = Option<CellId>> {
+        let coarse = self.params.grows().and_then(|_| self.coarse());
+        self.kept.cells.iter().map(move |cell| match coarse {
+            None => *cell,
+            Some(coarse) => coarse.of.get((*cell)?.index()).copied(),
+        })
     }
 
     pub(crate) fn views(&self) -> &[View] {
         &self.views
-    }
-
-    pub(crate) fn places(&self) -> &[[f32; 3]] {
-        &self.places
     }
 
     /// Adds the points of a scan.
@@ -132,64 +185,141 @@ impl Mapper {
         if self.params.weighting == Weighting::Information {
             require_errors(scan)?;
         }
-        let (choice, size) = match (&self.grid, self.params.cell_size) {
-            (Some(grid), _) => (self.chosen, grid.cell_size()),
-            (None, Some(size)) => (None, size),
+        let (choice, size) = match (&self.fine, self.params.cell_size) {
+            (Some(_), _) => (self.chosen, None),
+            (None, Some(size)) => (None, Some(size)),
             (None, None) => {
                 let choice = choose_from(scan, pose.as_ref())
                     .ok_or(InsertError::NoCellSize { present: scan.present() })?;
-                (Some(choice), choice.cell_size)
+                (Some(choice), Some(choice.cell_size))
             }
         };
-        let mut grid = match self.grid.take() {
-            Some(grid) => grid,
-            None => VoxelGrid::new(size, self.params.assignment)?,
-        };
+        if let Some(size) = size {
+            let share = if self.params.grows().is_some() { 0.5 } else { 1.0 };
+            self.fine = Some(VoxelGrid::new(share * size, self.params.assignment)?);
+        }
         self.chosen = choice;
-        let mut inserted = Inserted { points: 0, absent: 0, out_of_range: 0, first_refusal: None };
+        self.coarse = OnceLock::new();
         self.views.push(View { points: scan.len(), sensor: scan.sensor_position(), pose });
-        self.cell_of_point.reserve(scan.len());
-        let by_points = self.params.grows().is_some();
-        if by_points {
-            self.places.reserve(scan.len());
-        }
-        for point in scan.world_points() {
-            let cell = match point {
-                None => {
-                    inserted.absent += 1;
-                    None
-                }
-                Some(point) => match self.add(&mut grid, &point) {
-                    Ok(cell) => Some(cell),
-                    Err(refusal) => {
-                        inserted.out_of_range += 1;
-                        inserted.first_refusal.get_or_insert(refusal);
-                        None
-                    }
-                },
-            };
-            inserted.points += usize::from(cell.is_some());
-            self.cell_of_point.push(cell);
-            if by_points {
-                let centre = cell.and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
-                self.places.push(centre.zip(point).map_or([0.0; 3], |(centre, point)| {
-                    // A thousandth of a per mille of a cell is enough.
-                    #[allow(clippy::cast_possible_truncation)]
-                    [0, 1, 2].map(|i| (point.position[i] - centre[i]) as f32)
-                }));
-            }
-        }
-        self.grid = Some(grid);
-        Ok(inserted)
+        let taken = match self.params.weighting {
+            Weighting::Uniform => self.add_all(scan)?,
+            Weighting::Information => self.add_weighted(scan),
+        };
+        Ok(Inserted {
+            points: taken.points,
+            absent: taken.not_finite,
+            out_of_range: taken.refused,
+            first_refusal: taken.first_refusal,
+        })
     }
 
-    fn add(&self, grid: &mut VoxelGrid, point: &WorldPoint) -> Result<CellId, GridError> {
-        let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
-        match (self.params.weighting, point.covariance) {
-            (Weighting::Uniform, None) => grid.insert(&v),
-            (Weighting::Uniform, Some(c)) => grid.insert_covariant(point.position, &SymmetricMatrix3(c)),
-            (Weighting::Information, _) => grid.insert_weighted(&v, information(v.variance())),
+    /// Adds points with weight 1, many at once.
+    fn add_all(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
+        let mut all = Taken::default();
+        let Some(grid) = &mut self.fine else { return Ok(all) };
+        let grows = self.params.grows().is_some();
+        let mut world = World::default();
+        for first in (0..scan.len()).step_by(AT_ONCE) {
+            let (points, errors) = world.part(scan, first..(first + AT_ONCE).min(scan.len()));
+            let begin = self.kept.cells.len();
+            let places = grows.then_some(&mut self.kept.places);
+            let taken = grid.insert_all(points, errors, &mut self.kept.cells, places)?;
+            all = Taken {
+                points: all.points + taken.points,
+                not_finite: all.not_finite + taken.not_finite,
+                refused: all.refused + taken.refused,
+                first_refusal: all.first_refusal.or(taken.first_refusal),
+            };
+            if grows {
+                let points = self.kept.cells[begin..].iter().zip(&self.kept.places[begin..]);
+                // A grid numbers its cells with 32 bits.
+                #[allow(clippy::cast_possible_truncation)]
+                let known =
+                    |(cell, place): (&Option<CellId>, &[f32; 3])| Some(((*cell)?.index() as u32, *place));
+                self.samples.push_all(points.filter_map(known));
+            }
         }
+        Ok(all)
+    }
+
+    /// Adds points that weigh what they tell, one by one.
+    fn add_weighted(&mut self, scan: &Scan) -> Taken {
+        let mut taken = Taken::default();
+        let Some(grid) = &mut self.fine else { return taken };
+        for point in scan.world_points() {
+            let added = point.map(|point| {
+                let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
+                grid.insert_weighted(&v, information(v.variance()))
+            });
+            match added {
+                None => taken.not_finite += 1,
+                Some(Ok(_)) => taken.points += 1,
+                Some(Err(refusal)) => {
+                    taken.refused += 1;
+                    taken.first_refusal.get_or_insert(refusal);
+                }
+            }
+            self.kept.cells.push(added.and_then(Result::ok));
+        }
+        taken
+    }
+}
+
+/// Some points of a scan in the world, with their errors there.
+#[derive(Debug, Default)]
+struct World {
+    points: Vec<[f64; 3]>,
+    axes: Vec<[f64; 3]>,
+    covariances: Vec<[f64; 6]>,
+}
+
+impl World {
+    fn part<'s>(
+        &'s mut self,
+        scan: &'s Scan,
+        range: std::ops::Range<usize>,
+    ) -> (&'s [[f64; 3]], PointErrors<'s>) {
+        let points = &scan.points()[range.clone()];
+        let Frame::Sensor { pose } = scan.frame() else {
+            let errors = match scan.sigma() {
+                Sigma::Unknown => PointErrors::None,
+                Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
+                Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
+                Sigma::PerAxis(all) => PointErrors::Axes(&all[range]),
+                Sigma::Covariance(all) => PointErrors::Covariances(&all[range]),
+            };
+            return (points, errors);
+        };
+        points
+            .par_iter()
+            .with_min_len(1 << 13)
+            .map(|point| pose.transform(*point))
+            .collect_into_vec(&mut self.points);
+        // An error that is the same along every axis is the same in every frame.
+        let errors = match scan.sigma() {
+            Sigma::Unknown => PointErrors::None,
+            Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
+            Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
+            Sigma::PerAxis(all) => {
+                let turned =
+                    all[range].par_iter().with_min_len(1 << 13).map(|sigma| pose.rotate_sigma(*sigma));
+                turned.collect_into_vec(&mut self.axes);
+                PointErrors::Axes(&self.axes)
+            }
+            Sigma::Covariance(all) => {
+                let turned = all[range].par_iter().with_min_len(1 << 13).map(|covariance| {
+                    let mut turned = pose.rotate_covariance(*covariance);
+                    for diagonal in [0, 3, 5] {
+                        // Rounding may leave a variance of zero a little below it.
+                        turned[diagonal] = turned[diagonal].max(0.0);
+                    }
+                    turned
+                });
+                turned.collect_into_vec(&mut self.covariances);
+                PointErrors::Covariances(&self.covariances)
+            }
+        };
+        (&self.points, errors)
     }
 }
 

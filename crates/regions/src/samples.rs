@@ -1,7 +1,10 @@
 //! Some points of each cell.
 
+use rayon::prelude::*;
+
 /// So many points of a cell are kept at most.
 const MOST: usize = 16;
+const STRIPES: usize = 8;
 
 /// A sample of the points of each cell, by which points are told apart without all of them being kept.
 ///
@@ -23,6 +26,12 @@ const MOST: usize = 16;
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Samples {
+    /// Cell `i` is in stripe `i % STRIPES`, so that threads have cells of their own.
+    stripes: [Stripe; STRIPES],
+}
+
+#[derive(Debug, Clone, Default)]
+struct Stripe {
     cells: Vec<Kept>,
     places: Vec<[[f32; 3]; MOST]>,
 }
@@ -44,7 +53,57 @@ impl Samples {
     /// Adds a point of a cell by its place from the anchor of the cell's sums, in metres.
     #[inline]
     pub fn push(&mut self, cell: u32, place: [f32; 3]) {
-        let at = cell as usize;
+        let (stripe, at) = home(cell);
+        self.stripes[stripe].push(at, place);
+    }
+
+    /// Adds many points, each with its cell, on all threads of the rayon pool.
+    pub fn push_all(&mut self, points: impl Iterator<Item = (u32, [f32; 3])> + Clone + Sync) {
+        let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
+        self.stripes.par_chunks_mut(share).enumerate().for_each(|(number, stripes)| {
+            let first = number * share;
+            for (cell, place) in points.clone() {
+                let (stripe, at) = home(cell);
+                if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
+                    stripe.push(at, place);
+                }
+            }
+        });
+    }
+
+    /// The sample of a cell; empty for a cell without points.
+    pub fn of(&self, cell: u32) -> &[[f32; 3]] {
+        let (stripe, at) = home(cell);
+        self.stripes[stripe].of(at)
+    }
+
+    /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
+    pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
+        let (from, there) = home(of);
+        let Some(theirs) = other.stripes[from].cells.get(there) else { return };
+        for place in other.of(of) {
+            self.push(cell, *place);
+        }
+        // What the others left out is left out of the whole.
+        let (stripe, at) = home(cell);
+        let Stripe { cells, places } = &mut self.stripes[stripe];
+        if let (Some(kept), Some(places)) = (cells.get_mut(at), places.get_mut(at)) {
+            while kept.halvings < theirs.halvings {
+                kept.halve(places);
+            }
+        }
+    }
+}
+
+/// The stripe of a cell, and its place in it.
+#[inline]
+fn home(cell: u32) -> (usize, usize) {
+    (cell as usize % STRIPES, cell as usize / STRIPES)
+}
+
+impl Stripe {
+    #[inline]
+    fn push(&mut self, at: usize, place: [f32; 3]) {
         if at >= self.cells.len() {
             self.cells.resize(at + 1, Kept::NONE);
             self.places.resize(at + 1, [[0.0; 3]; MOST]);
@@ -66,28 +125,10 @@ impl Samples {
         }
     }
 
-    /// The sample of a cell; empty for a cell without points.
-    pub fn of(&self, cell: u32) -> &[[f32; 3]] {
-        let at = cell as usize;
+    fn of(&self, at: usize) -> &[[f32; 3]] {
         match (self.places.get(at), self.cells.get(at)) {
             (Some(places), Some(kept)) => places.get(..usize::from(kept.count)).unwrap_or(&[]),
             _ => &[],
-        }
-    }
-
-    /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
-    pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
-        let Some(theirs) = other.cells.get(of as usize) else { return };
-        for place in other.of(of) {
-            self.push(cell, *place);
-        }
-        // What the others left out is left out of the whole.
-        if let (Some(kept), Some(places)) =
-            (self.cells.get_mut(cell as usize), self.places.get_mut(cell as usize))
-        {
-            while kept.halvings < theirs.halvings {
-                kept.halve(places);
-            }
         }
     }
 }
@@ -172,6 +213,17 @@ mod tests {
             let mut merged = all(one);
             merged.merge(0, &all(other), 0);
             prop_assert_eq!(sorted(&merged, 0), sorted(&whole, 0));
+            for threads in 1..4 {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut together = Samples::default();
+                let points = places.iter().zip(0..).map(|(place, k)| (k % 11, *place));
+                pool.install(|| together.push_all(points.clone()));
+                let mut single = Samples::default();
+                points.for_each(|(cell, place)| single.push(cell, place));
+                for cell in 0..11 {
+                    prop_assert_eq!(together.of(cell), single.of(cell));
+                }
+            }
         }
     }
 }

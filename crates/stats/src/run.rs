@@ -13,6 +13,22 @@ impl Run {
     /// No vector yet.
     pub const EMPTY: Self = Self { count: 0, sum: [0.0; 3], second: [0.0; 6] };
 
+    /// Numbers of [`to_array`](Self::to_array).
+    pub const LEN: usize = 9;
+
+    /// The sums alone, to be written down beside the count.
+    #[inline]
+    pub fn to_array(&self) -> [f64; Self::LEN] {
+        let ([x, y, z], [xx, xy, xz, yy, yz, zz]) = (self.sum, self.second);
+        [x, y, z, xx, xy, xz, yy, yz, zz]
+    }
+
+    /// The sums of so many vectors, as written down.
+    #[inline]
+    pub fn from_array(count: u64, [x, y, z, xx, xy, xz, yy, yz, zz]: [f64; Self::LEN]) -> Self {
+        Self { count, sum: [x, y, z], second: [xx, xy, xz, yy, yz, zz] }
+    }
+
     /// Adds a vector.
     #[inline]
     pub fn push(&mut self, [x, y, z]: [f64; 3]) {

@@ -21,7 +21,7 @@ impl Interiors {
     pub(crate) fn of(mapper: &Mapper, truth: &[Option<PlaneId>]) -> Self {
         let mut of: HashMap<VoxelKey, Option<PlaneId>, FixedState> = HashMap::default();
         let grid = mapper.grid();
-        for (cell, label) in mapper.cells_of_points().iter().zip(truth) {
+        for (cell, label) in mapper.cells_of_points().zip(truth) {
             let Some(cell) = cell.and_then(|id| grid?.get(id)) else { continue };
             let all = of.entry(cell.key()).or_insert(*label);
             if all != label {

@@ -1,39 +1,29 @@
 //! Runs into the cells of a part of the grid.
 
-use terrace_stats::Run as Sums;
-
-use super::PointErrors;
 use super::runs::{Run, SECTION};
+use super::{PointErrors, sums};
 use crate::block::{BlockKey, place_of};
-use crate::key::centre_of;
 use crate::part::Part;
 
 /// What one part of the grid gets of a chunk.
 #[derive(Debug, Default)]
 pub(super) struct Share<'c> {
-    /// Section by section.
-    pub(super) runs: Vec<&'c mut [Run]>,
+    /// Runs and what they add, section by section.
+    pub(super) runs: Vec<(&'c mut [Run], &'c [f64])>,
     /// For each cell founded its first point, counted within the chunk.
     pub(super) founded: Vec<u32>,
 }
 
 impl Share<'_> {
     /// Adds the runs in the order of the points.
-    pub(super) fn add(&mut self, part: &mut Part, points: &[[f64; 3]], errors: &PointErrors<'_>, size: f64) {
-        let sections = points.chunks(SECTION).enumerate();
-        for (runs, (section, points)) in self.runs.iter_mut().zip(sections) {
-            let begin = section * SECTION;
+    pub(super) fn add(&mut self, part: &mut Part, errors: &PointErrors<'_>) {
+        for (section, (runs, sums)) in self.runs.iter_mut().enumerate() {
             // Cells first, then sums: neither loop waits for the memory of the step before.
-            find_slots(part, runs, begin, &mut self.founded);
-            let errors = errors.part(begin..begin + points.len());
+            find_slots(part, runs, section * SECTION, &mut self.founded);
+            let mut sums = *sums;
             for run in runs.iter() {
-                let slot = &mut part.slots[run.slot as usize];
-                let centre = centre_of(run.key, size);
-                let mut sums = Sums::EMPTY;
-                for point in &points[run.points()] {
-                    sums.push([0, 1, 2].map(|i| point[i] - centre[i]));
-                }
-                slot.moments.push_run(&sums, &errors.noise(run.points()));
+                let moments = &mut part.slots[run.slot as usize].moments;
+                sums = sums::add(moments, run.len(), errors, sums);
             }
         }
     }

@@ -64,31 +64,47 @@ impl PointErrors<'_> {
         (!error.iter().all(|e| is_error(*e))).then_some(GridError::StandardError { error })
     }
 
-    /// Sum of the covariances of the errors of some of the points.
+    /// How many numbers the sum of the covariances of some errors is written with.
     #[inline]
-    pub(super) fn noise(&self, range: Range<usize>) -> SymmetricMatrix3 {
-        match *self {
-            Self::None => SymmetricMatrix3::ZERO,
-            Self::Same(sigma) => SymmetricMatrix3::diagonal([sigma * sigma * range.len() as f64; 3]),
-            Self::Each(sigmas) => {
-                SymmetricMatrix3::diagonal([sigmas[range].iter().map(|sigma| sigma * sigma).sum(); 3])
-            }
+    pub(super) fn noise_len(&self) -> usize {
+        match self {
+            Self::None | Self::Same(_) => 0,
+            Self::Each(_) => 1,
+            Self::Axes(_) => 3,
+            Self::Covariances(_) => 6,
+        }
+    }
+
+    /// Writes the sum of the covariances of the errors of some of the points.
+    #[inline]
+    pub(super) fn write_noise(&self, range: Range<usize>, to: &mut [f64]) {
+        match self {
+            Self::None | Self::Same(_) => {}
+            Self::Each(sigmas) => to.fill(sigmas[range].iter().map(|sigma| sigma * sigma).sum()),
             Self::Axes(sigmas) => {
-                let mut sum = [0.0; 3];
-                for sigma in &sigmas[range] {
-                    for i in 0..3 {
-                        sum[i] += sigma[i] * sigma[i];
-                    }
+                to.fill(0.0);
+                for (sum, sigma) in sigmas[range].iter().flat_map(|sigma| (0..3).zip(sigma)) {
+                    to[sum] += sigma * sigma;
                 }
-                SymmetricMatrix3::diagonal(sum)
             }
             Self::Covariances(covariances) => {
-                let mut sum = SymmetricMatrix3::ZERO;
-                for covariance in &covariances[range] {
-                    sum += SymmetricMatrix3(*covariance);
+                to.fill(0.0);
+                for (sum, entry) in covariances[range].iter().flat_map(|covariance| (0..6).zip(covariance)) {
+                    to[sum] += entry;
                 }
-                sum
             }
+        }
+    }
+
+    /// The sum that was written for so many points.
+    #[inline]
+    pub(super) fn read_noise(&self, points: usize, from: &[f64]) -> SymmetricMatrix3 {
+        match (self, from) {
+            (Self::Same(sigma), _) => SymmetricMatrix3::diagonal([sigma * sigma * points as f64; 3]),
+            (_, [variance]) => SymmetricMatrix3::diagonal([*variance; 3]),
+            (_, [x, y, z]) => SymmetricMatrix3::diagonal([*x, *y, *z]),
+            (_, [xx, xy, xz, yy, yz, zz]) => SymmetricMatrix3([*xx, *xy, *xz, *yy, *yz, *zz]),
+            _ => SymmetricMatrix3::ZERO,
         }
     }
 

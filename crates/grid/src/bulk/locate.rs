@@ -28,7 +28,6 @@ impl Located {
     /// The voxel is that of the quotient as computed, rounded down: `x * (1 / size)` would be another number on the faces
     /// of voxels. There is no call and no branch in the loop, so that several coordinates are done at a time, with any
     /// instruction set; the result is exact, so the same with each.
-    #[inline]
     pub(super) fn locate(&mut self, points: &[[f64; 3]], size: f64) -> bool {
         let keys = self.keys.as_flattened_mut().iter_mut();
         let places = self.places.as_flattened_mut().iter_mut();

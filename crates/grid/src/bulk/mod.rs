@@ -4,19 +4,20 @@ mod add;
 mod errors;
 mod locate;
 mod runs;
+mod sums;
 
 use rayon::prelude::*;
 
 use self::add::Share;
 pub use self::errors::PointErrors;
-use self::runs::{SECTION, Section};
+use self::runs::{Found, SECTION, Section};
 use crate::block::PARTS;
 use crate::cell::CellId;
 use crate::grid::{Home, MOST_CELLS};
 use crate::{Assignment, GridError, VoxelGrid};
 
 /// Points of a chunk. The larger, the more often a cell of shuffled points is met while it is in the cache.
-const CHUNK: usize = 1 << 20;
+const CHUNK: usize = 1 << 21;
 
 /// What became of points that were inserted together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -74,21 +75,17 @@ impl VoxelGrid {
         if let Some(errors) = errors.len().filter(|errors| *errors != points.len()) {
             return Err(GridError::Lengths { points: points.len(), errors });
         }
-        let first = cells.len();
-        cells.resize(first + points.len(), None);
-        let mut cells = cells[first..].chunks_mut(CHUNK);
-        let mut places = places.as_mut().map(|places| {
-            let first = places.len();
-            places.resize(first + points.len(), [0.0; 3]);
-            places[first..].chunks_mut(CHUNK)
-        });
+        cells.reserve(points.len());
+        if let Some(places) = &mut places {
+            places.reserve(points.len());
+        }
         let mut taken = Taken::default();
         let mut sections = Vec::new();
         for (chunk, points) in points.chunks(CHUNK).enumerate() {
             let begin = chunk * CHUNK;
             let chunk = Chunk { points, errors: errors.part(begin..begin + points.len()) };
-            let cells = cells.next().unwrap_or_default();
-            let places = places.as_mut().and_then(Iterator::next);
+            let cells = extend(cells, None, points.len());
+            let places = places.as_mut().map(|places| extend(places, [0.0; 3], points.len()));
             // Where cells may run out, the first points get them, as one by one.
             let room = self.len() + points.len() <= MOST_CELLS;
             taken.add(&if self.assignment == Assignment::Voxel && room {
@@ -150,10 +147,14 @@ impl VoxelGrid {
             .zip(of_sections)
             .map(|(section, points)| (section, points, places.as_mut().and_then(Iterator::next)))
             .collect();
-        finding.par_iter_mut().enumerate().for_each(|(at, (section, points, places))| {
-            let begin = at * SECTION;
-            section.find(points, &errors.part(begin..begin + points.len()), size, places.as_deref_mut());
-        });
+        finding.par_iter_mut().enumerate().for_each_init(
+            Found::new,
+            |found, (at, (section, points, places))| {
+                let begin = at * SECTION;
+                let errors = errors.part(begin..begin + points.len());
+                section.find(points, &errors, size, places.as_deref_mut(), found);
+            },
+        );
 
         let mut shares: Vec<Share<'_>> = Vec::new();
         shares.resize_with(PARTS, Share::default);
@@ -163,7 +164,7 @@ impl VoxelGrid {
             }
         }
         let with_parts = shares.par_iter_mut().zip(&mut self.parts);
-        with_parts.for_each(|(share, part)| share.add(part, points, &errors, size));
+        with_parts.for_each(|(share, part)| share.add(part, &errors));
         let founded: Vec<Vec<u32>> = shares.into_iter().map(|share| share.founded).collect();
         self.number(&founded, points.len());
 
@@ -212,6 +213,13 @@ impl VoxelGrid {
             }
         }
     }
+}
+
+/// Appends a value so many times, and hands out where. On all threads: for much memory that costs more than its use.
+fn extend<T: Copy + Send + Sync>(list: &mut Vec<T>, value: T, times: usize) -> &mut [T] {
+    let first = list.len();
+    list.par_extend(rayon::iter::repeat_n(value, times));
+    &mut list[first..]
 }
 
 /// Points that go through the steps together.

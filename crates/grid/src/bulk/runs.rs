@@ -1,9 +1,11 @@
 //! Points to runs: consecutive points in the same voxel, ordered by the part of the grid they are of.
 
+use std::ops::Range;
+
 use super::locate::{BATCH, Located, NOWHERE};
-use super::{PointErrors, Taken};
+use super::{PointErrors, Taken, sums};
 use crate::block::{BlockKey, PARTS, part_of};
-use crate::key::key_of;
+use crate::key::{centre_of, key_of};
 use crate::{GridError, VoxelKey};
 
 /// Points of a section. Their numbers fit into 16 bits.
@@ -21,23 +23,32 @@ pub(super) struct Run {
 }
 
 impl Run {
+    /// Number of its points.
+    #[inline]
+    pub(super) fn len(&self) -> usize {
+        usize::from(self.more) + 1
+    }
+
     /// Its points, counted within the section.
     #[inline]
-    pub(super) fn points(&self) -> std::ops::Range<usize> {
+    pub(super) fn points(&self) -> Range<usize> {
         let first = usize::from(self.first);
-        first..first + usize::from(self.more) + 1
+        first..first + self.len()
     }
 }
 
-/// The runs of a section. Memory is kept from one to the next.
+/// Runs in the order of the points, with the part of each.
+pub(super) type Found = Vec<(Run, u8)>;
+
+/// The runs of a section and their sums. Memory is kept from one to the next.
 #[derive(Debug, Default)]
 pub(super) struct Section {
-    /// In the order of the points, with the part of each.
-    found: Vec<(Run, u8)>,
     /// By part, then in the order of the points.
     runs: Vec<Run>,
-    /// Those of part `i` are `starts[i]..starts[i + 1]`.
-    starts: Vec<usize>,
+    /// What each of them adds, in the same order: see [`sums::write`].
+    sums: Vec<f64>,
+    /// How many runs and sums each part has.
+    lengths: Vec<[usize; 2]>,
     /// What became of the points, those in the runs being taken.
     pub(super) taken: Taken,
 }
@@ -50,8 +61,9 @@ impl Section {
         errors: &PointErrors<'_>,
         size: f64,
         places: Option<&mut [[f32; 3]]>,
+        found: &mut Found,
     ) {
-        self.found.clear();
+        found.clear();
         self.taken = Taken::default();
         let mut located = Located::new();
         let mut places = places.map(|places| places.chunks_mut(BATCH));
@@ -68,13 +80,13 @@ impl Section {
             }
             for (at, key) in (begin..).zip(&located.keys[..points.len()]) {
                 if *key != open.key {
-                    open.close(at, &mut self.found);
+                    open.close(at, found);
                     open.begin(*key, at);
                 }
             }
         }
-        open.close(points.len(), &mut self.found);
-        self.sort();
+        open.close(points.len(), found);
+        self.sort(found, points, errors, size);
     }
 
     /// Takes the points that cannot be inserted out of those located.
@@ -93,39 +105,54 @@ impl Section {
         }
     }
 
-    /// Puts the runs in the order of their parts.
-    fn sort(&mut self) {
-        self.starts.clear();
-        self.starts.resize(PARTS + 1, 0);
-        for (_, part) in &self.found {
-            self.starts[usize::from(*part) + 1] += 1;
+    /// Puts the runs in the order of their parts, and what they add beside them: each part then reads on end.
+    fn sort(&mut self, found: &[(Run, u8)], points: &[[f64; 3]], errors: &PointErrors<'_>, size: f64) {
+        let mut next = [[0; 2]; PARTS];
+        for (run, part) in found {
+            let [runs, sums] = &mut next[usize::from(*part)];
+            *runs += 1;
+            *sums += sums::len(run.len(), errors);
         }
-        for part in 0..PARTS {
-            self.starts[part + 1] += self.starts[part];
+        self.lengths.clear();
+        self.lengths.extend_from_slice(&next);
+        let mut total = [0; 2];
+        for next in &mut next {
+            let lengths = std::mem::replace(next, total);
+            total = [total[0] + lengths[0], total[1] + lengths[1]];
         }
-        let mut next = [0; PARTS];
-        next.copy_from_slice(&self.starts[..PARTS]);
-        self.runs.clear();
-        self.runs.resize(self.found.len(), Run::default());
-        for (run, part) in &self.found {
-            let next = &mut next[usize::from(*part)];
-            self.runs[*next] = *run;
-            *next += 1;
+        self.runs.resize(total[0], Run::default());
+        self.sums.resize(total[1], 0.0);
+        for (run, part) in found {
+            let [at, sums_at] = &mut next[usize::from(*part)];
+            self.runs[*at] = *run;
+            *at += 1;
+            let len = sums::len(run.len(), errors);
+            let sums = &mut self.sums[*sums_at..*sums_at + len];
+            *sums_at += len;
+            let centre = centre_of(run.key, size);
+            sums::write(&points[run.points()], centre, errors, run.points(), sums);
         }
     }
 
     /// The runs of each part.
     pub(super) fn parts(&self) -> impl Iterator<Item = &[Run]> {
-        self.starts.windows(2).map(|ends| &self.runs[ends[0]..ends[1]])
-    }
-
-    /// The runs of each part, to change.
-    pub(super) fn parts_mut(&mut self) -> impl Iterator<Item = &mut [Run]> {
-        let mut rest = self.runs.as_mut_slice();
-        self.starts.windows(2).map(move |ends| {
-            let (part, after) = std::mem::take(&mut rest).split_at_mut(ends[1] - ends[0]);
+        let mut rest = self.runs.as_slice();
+        self.lengths.iter().map(move |[runs, _]| {
+            let (part, after) = rest.split_at(*runs);
             rest = after;
             part
+        })
+    }
+
+    /// The runs of each part, to change, and what they add.
+    pub(super) fn parts_mut(&mut self) -> impl Iterator<Item = (&mut [Run], &[f64])> {
+        let (mut runs, mut sums) = (self.runs.as_mut_slice(), self.sums.as_slice());
+        self.lengths.iter().map(move |lengths| {
+            let (part, after) = std::mem::take(&mut runs).split_at_mut(lengths[0]);
+            runs = after;
+            let (of_part, after) = sums.split_at(lengths[1]);
+            sums = after;
+            (part, of_part)
         })
     }
 }
@@ -159,7 +186,7 @@ impl Open {
     }
 
     #[inline]
-    fn close(&self, end: usize, found: &mut Vec<(Run, u8)>) {
+    fn close(&self, end: usize, found: &mut Found) {
         if self.key != NOWHERE {
             // A section has no more points than 16 bits can count.
             #[allow(clippy::cast_possible_truncation)]

@@ -161,7 +161,7 @@ impl Rows {
                 fill(new.as_chunks_mut::<1>().0, 0, of(one), order);
             }
             (Sigma::PerAxis(sigmas), SigmaFields::PerAxis(axes)) => {
-                gather(axes.map(&of), order, count, sigmas)
+                gather(axes.map(&of), order, count, sigmas);
             }
             _ => {}
         }

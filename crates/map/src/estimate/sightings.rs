@@ -38,9 +38,7 @@ impl Sightings {
         let mut found: Vec<(u32, Sighting)> = Vec::new();
         let mut rest = mapper.cells_of_points();
         for (view, seen) in (0..).zip(mapper.views()) {
-            let Some((points, after)) = rest.split_at_checked(seen.points) else { break };
-            rest = after;
-            for cell in points.iter().flatten() {
+            for cell in rest.by_ref().take(seen.points).flatten() {
                 let Some(count) = counts.get_mut(cell.index()) else { continue };
                 if *count == 0 {
                     // A grid numbers its cells with 32 bits.

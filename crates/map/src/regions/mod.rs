@@ -2,12 +2,12 @@
 
 mod coplanar;
 mod error_level;
-mod subcells;
+mod fine;
 
 use rayon::prelude::*;
-use terrace_grid::VoxelGrid;
+use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Region, Segmentation, segment};
+use terrace_regions::{Found, Region, find};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -21,10 +21,12 @@ use crate::{
 };
 
 use coplanar::joined;
-use subcells::Subcells;
+use fine::Fine;
 
 /// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
 const MOSTLY: f64 = 0.9;
+/// Points that are labelled by a thread at once.
+const AT_ONCE: usize = 1 << 14;
 
 impl Mapper {
     /// The planes as regions.
@@ -34,25 +36,37 @@ impl Mapper {
         mut begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
         let (grid, used) = used_of(self)?;
+        let (Some(cells), Some(coarse)) = (self.fine(), self.coarse()) else {
+            return Err(ExtractError::Empty);
+        };
         begins(Stage::Normals { cells: grid.len() });
         let nodes = Nodes::of(grid, used.tau, self.params());
 
-        begins(Stage::Grow { cells: grid.len() });
+        begins(Stage::Grow { cells: cells.len() });
         let floor = self.params().estimate.unwrap_or_default().floor;
         let mut errors = Errors::of(self, &nodes, floor);
-        let subcells = Subcells::of(self, grid);
-        let cells = subcells.with_errors(&mut errors, nodes.know_errors());
-        let found = segment(
-            &cells,
-            0.5 * grid.cell_size(),
-            subcells.points(),
+        let mut fine = Fine::of(cells, coarse);
+        if !nodes.know_errors() {
+            fine.find_errors(&mut errors);
+        }
+        let samples = |place: usize| fine.number(place).map_or(&[][..], |number| self.samples().of(number));
+        let found = find(
+            &fine.cells,
+            cells.cell_size(),
+            fine.cells.iter().map(|cell| cell.stats.count()).sum(),
+            samples,
             &settings.settings(nodes.know_errors() && settings.errors_are_complete),
         )?;
 
         begins(Stage::Label { points: self.len() });
+        let label = |(cell, place): (&Option<CellId>, &[f32; 3])| {
+            let label = found.labeller.label(fine.place((*cell)?)?, *place)?;
+            PlaneId::from_index(label as usize)
+        };
+        let kept = self.kept();
         let mut labels: Vec<Option<PlaneId>> =
-            found.labels.par_iter().map(|label| PlaneId::from_index((*label)? as usize)).collect();
-        let mut owner = OwnerOfCells { nodes: &nodes, of: subcells.planes_of_cells(&found) };
+            kept.cells.par_iter().zip(&kept.places).with_min_len(AT_ONCE).map(label).collect();
+        let mut owner = OwnerOfCells { nodes: &nodes, of: fine.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
         if self.params().estimate.is_some() || settings.join == Join::Coplanar {
             errors = owner.estimate(&mut planes, grid, used.tau, errors);
@@ -135,7 +149,7 @@ impl OwnerOfCells<'_> {
     }
 }
 
-fn extracted(found: &Segmentation, owner: &OwnerOfCells) -> Vec<ExtractedPlane> {
+fn extracted(found: &Found, owner: &OwnerOfCells) -> Vec<ExtractedPlane> {
     let plane = |(index, region): (usize, &Region)| {
         let plane = Plane::through(region.point, canonical(region.normal)).ok()?;
         Some(ExtractedPlane {

@@ -59,7 +59,7 @@ impl Gridded {
 
 /// The points of each cell by their true label, in the order of the cells.
 fn groups(mapper: &Mapper, truth: &[TrueLabel]) -> Vec<Group> {
-    let cells = mapper.cells_of_points().iter().map(|cell| cell.map(terrace_grid::CellId::index));
+    let cells = mapper.cells_of_points().map(|cell| cell.map(terrace_grid::CellId::index));
     let mut points: Vec<_> = cells.zip(truth).collect();
     points.sort_unstable();
     points

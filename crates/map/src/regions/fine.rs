@@ -1,0 +1,98 @@
+//! The fine cells, as regions take them.
+
+use terrace_grid::{CellId, VoxelGrid};
+use terrace_regions::{Cell, Found};
+use terrace_types::PlaneId;
+
+use super::MOSTLY;
+use crate::estimate::Errors;
+use crate::mapper::Coarse;
+
+/// The cells of half the cell size.
+pub(crate) struct Fine<'m> {
+    coarse: &'m Coarse,
+    pub(crate) cells: Vec<Cell>,
+    /// The larger cell that each is a part of.
+    of: Vec<CellId>,
+    /// By cell of the grid, its place among the cells; empty where that is the same for all.
+    places: Vec<Option<u32>>,
+    /// And the other way round.
+    numbers: Vec<u32>,
+}
+
+impl<'m> Fine<'m> {
+    /// Sums that overflow are no cell of a region: their points are of no plane.
+    pub(crate) fn of(grid: &VoxelGrid, coarse: &'m Coarse) -> Self {
+        let mut fine = Self {
+            coarse,
+            cells: Vec::with_capacity(grid.len()),
+            of: Vec::with_capacity(grid.len()),
+            places: Vec::new(),
+            numbers: Vec::new(),
+        };
+        let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
+        for (cell, of) in grid.founded().zip(&coarse.of) {
+            let stats = cell.stats();
+            let (moments, place) = (stats.moments(), u32::try_from(fine.cells.len()).ok());
+            let usable = moments.noise().is_finite() && moments.second().is_finite();
+            places.push(place.filter(|_| usable));
+            if usable {
+                fine.numbers.extend(u32::try_from(places.len() - 1));
+                fine.cells.push(Cell { key: cell.key(), stats });
+                fine.of.push(*of);
+            }
+        }
+        if fine.cells.len() < places.len() {
+            fine.places = places;
+        }
+        fine
+    }
+
+    /// The place among the cells of a cell of the grid.
+    #[inline]
+    pub(crate) fn place(&self, cell: CellId) -> Option<u32> {
+        if self.places.is_empty() {
+            u32::try_from(cell.index()).ok()
+        } else {
+            *self.places.get(cell.index())?
+        }
+    }
+
+    /// The cell of the grid at a place.
+    pub(crate) fn number(&self, place: usize) -> Option<u32> {
+        self.numbers.get(place).copied()
+    }
+
+    /// Gives the cells the errors that flat places show, which are then in `errors`.
+    pub(crate) fn find_errors(&mut self, errors: &mut Errors) {
+        errors.find_level(&self.cells, &self.of);
+        for (cell, of) in self.cells.iter_mut().zip(&self.of) {
+            let of_point = errors.of_place(&cell.stats, *of);
+            cell.stats = cell.stats.with_noise(of_point * cell.stats.count() as f64);
+        }
+    }
+
+    /// For each cell of the cell size the plane that most of its points are of.
+    pub(crate) fn planes_of_cells(&self, found: &Found) -> Vec<Option<PlaneId>> {
+        let mut shares: Vec<(CellId, u32, u64)> =
+            found.shares.iter().map(|s| (self.of[s.cell as usize], s.region, u64::from(s.points))).collect();
+        shares.sort_unstable();
+        shares.dedup_by(|next, first| {
+            let same = (next.0, next.1) == (first.0, first.1);
+            first.2 += if same { next.2 } else { 0 };
+            same
+        });
+        let mut owner = vec![None; self.coarse.grid.len()];
+        for of_cell in shares.chunk_by(|a, b| a.0 == b.0) {
+            let Some((cell, region, points)) = of_cell.iter().rev().max_by_key(|(_, _, points)| points)
+            else {
+                continue;
+            };
+            let density = self.coarse.grid.get(*cell).map_or(0, |cell| cell.density());
+            if *points as f64 >= MOSTLY * density as f64 {
+                owner[cell.index()] = PlaneId::from_index(*region as usize);
+            }
+        }
+        owner
+    }
+}
