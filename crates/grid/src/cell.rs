@@ -5,7 +5,7 @@ use std::num::NonZeroU32;
 use terrace_stats::{Moments, Stats};
 
 use crate::VoxelKey;
-use crate::key::centre_of;
+use crate::key::{Lattice, centre_of};
 
 /// Identity of a cell within its grid, stable as the grid grows. `Option<CellId>` takes four bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -28,7 +28,7 @@ impl CellId {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slot {
     pub(crate) key: VoxelKey,
-    /// Relative to the centre of the voxel.
+    /// Relative to the anchor of the voxel.
     pub(crate) moments: Moments,
 }
 
@@ -37,13 +37,13 @@ pub(crate) struct Slot {
 pub struct Cell<'a> {
     id: CellId,
     slot: &'a Slot,
-    size: f64,
+    lattice: Lattice,
 }
 
 impl<'a> Cell<'a> {
     #[inline]
-    pub(crate) fn new(id: CellId, slot: &'a Slot, size: f64) -> Self {
-        Self { id, slot, size }
+    pub(crate) fn new(id: CellId, slot: &'a Slot, lattice: Lattice) -> Self {
+        Self { id, slot, lattice }
     }
 
     /// Identity within the grid.
@@ -56,9 +56,15 @@ impl<'a> Cell<'a> {
         self.slot.key
     }
 
-    /// Centre of the voxel in metres: the anchor of the statistics.
+    /// Centre of the voxel in metres.
     pub fn centre(&self) -> [f64; 3] {
-        centre_of(self.slot.key, self.size)
+        centre_of(self.slot.key, self.lattice.size)
+    }
+
+    /// What the statistics are relative to, in metres: the centre, or, in a grid [of halves](crate::VoxelGrid::of_halves), that of the
+    /// larger voxel.
+    pub fn anchor(&self) -> [f64; 3] {
+        self.lattice.anchor_of(self.slot.key)
     }
 
     /// Number of points.
@@ -68,7 +74,7 @@ impl<'a> Cell<'a> {
 
     /// Statistics of the points.
     pub fn stats(&self) -> Stats {
-        Stats::from_moments(self.centre(), self.slot.moments)
+        Stats::from_moments(self.anchor(), self.slot.moments)
     }
 
     pub(crate) fn moments(&self) -> &'a Moments {

@@ -1,6 +1,6 @@
 //! What a grid refuses.
 
-use crate::{MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE};
+use crate::{MAX_CELL_SIZE, MIN_CELL_SIZE};
 
 /// Why a grid could not be made, or a point or another grid not be added.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -17,9 +17,9 @@ pub enum GridError {
         /// The point as given.
         position: [f64; 3],
     },
-    /// The point is too many voxels away from the origin. Coordinates or cell size may be in the wrong unit.
+    /// The point is more than [`MAX_INDEX`](crate::MAX_INDEX) voxels away from the origin. Coordinates or cell size may be in the wrong unit.
     #[error(
-        "the point ({}, {}, {}) is further than {MAX_INDEX} cells of {size} m from the origin",
+        "the point ({}, {}, {}) is too many cells of {size} m from the origin",
         position[0], position[1], position[2]
     )]
     OutOfRange {

@@ -5,6 +5,7 @@ use terrace_stats::Moments;
 use crate::block::{BlockKey, PARTS, part_of, place_of};
 use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
+use crate::key::Lattice;
 use crate::part::Part;
 use crate::{Assignment, GridError, VoxelKey, validate_cell_size};
 
@@ -14,7 +15,7 @@ pub(crate) const MOST_CELLS: usize = u32::MAX as usize - 1;
 /// A sparse grid of cubic cells. See the [crate page](crate) for an example.
 #[derive(Debug, Clone)]
 pub struct VoxelGrid {
-    pub(crate) size: f64,
+    pub(crate) lattice: Lattice,
     pub(crate) assignment: Assignment,
     /// By [`part_of`] the hash of a block.
     pub(crate) parts: Vec<Part>,
@@ -37,16 +38,27 @@ impl VoxelGrid {
     /// # Errors
     /// [`GridError::CellSize`] when `size` is not positive and finite, see [`validate_cell_size`].
     pub fn new(size: f64, assignment: Assignment) -> Result<Self, GridError> {
-        Ok(Self::of_valid_size(validate_cell_size(size)?, assignment))
+        let lattice = Lattice { size: validate_cell_size(size)?, halves: false };
+        Ok(Self::of_lattice(lattice, assignment))
     }
 
-    pub(crate) fn of_valid_size(size: f64, assignment: Assignment) -> Self {
-        Self { size, assignment, parts: vec![Part::default(); PARTS], homes: Vec::new(), last: None }
+    /// An empty grid of cells with edges of half of `size` metres, for [`VoxelGrid::halved`] to make one of cells of `size` from: the
+    /// sums of its cells are about the centres of those, so that they need only be added.
+    ///
+    /// # Errors
+    /// As [`VoxelGrid::new`] for cells of `size`.
+    pub fn of_halves(size: f64) -> Result<Self, GridError> {
+        let lattice = Lattice { size: 0.5 * validate_cell_size(size)?, halves: true };
+        Ok(Self::of_lattice(lattice, Assignment::Voxel))
+    }
+
+    pub(crate) fn of_lattice(lattice: Lattice, assignment: Assignment) -> Self {
+        Self { lattice, assignment, parts: vec![Part::default(); PARTS], homes: Vec::new(), last: None }
     }
 
     /// Edge of a cell in metres.
     pub fn cell_size(&self) -> f64 {
-        self.size
+        self.lattice.size
     }
 
     /// The rule by which points are added.
@@ -68,7 +80,7 @@ impl VoxelGrid {
     pub fn find(&self, key: VoxelKey) -> Option<Cell<'_>> {
         let Home { part, slot } = self.home_of(key)?;
         let part = &self.parts[part as usize];
-        Some(Cell::new(part.ids[slot as usize], &part.slots[slot as usize], self.size))
+        Some(Cell::new(part.ids[slot as usize], &part.slots[slot as usize], self.lattice))
     }
 
     /// The cell of this identity; `None` for an identity from another, larger grid.
@@ -99,12 +111,18 @@ impl VoxelGrid {
     /// # Errors
     /// [`GridError::SizesDiffer`], before anything is changed; [`GridError::Full`].
     pub fn merge(&mut self, other: &Self) -> Result<(), GridError> {
-        if self.size.to_bits() != other.size.to_bits() {
-            return Err(GridError::SizesDiffer { ours: self.size, theirs: other.size });
+        if self.lattice.size.to_bits() != other.lattice.size.to_bits() {
+            return Err(GridError::SizesDiffer { ours: self.lattice.size, theirs: other.lattice.size });
         }
         for cell in other.iter() {
             let (home, _) = self.home_or_new(cell.key())?;
-            self.moments_mut(home).merge(cell.moments());
+            let moments = cell.moments();
+            if self.lattice.halves == other.lattice.halves {
+                self.moments_mut(home).merge(moments);
+            } else {
+                let (from, to) = (cell.anchor(), self.lattice.anchor_of(cell.key()));
+                self.moments_mut(home).merge(&moments.translated([0, 1, 2].map(|i| from[i] - to[i])));
+            }
         }
         Ok(())
     }
@@ -117,7 +135,7 @@ impl VoxelGrid {
 
     #[inline]
     fn cell(&self, id: CellId, home: Home) -> Cell<'_> {
-        Cell::new(id, &self.parts[home.part as usize].slots[home.slot as usize], self.size)
+        Cell::new(id, &self.parts[home.part as usize].slots[home.slot as usize], self.lattice)
     }
 
     #[inline]

@@ -1,8 +1,8 @@
 //! The same points in larger cells.
 
 use crate::cell::CellId;
-use crate::key::centre_of;
-use crate::{GridError, VoxelGrid};
+use crate::key::Lattice;
+use crate::{GridError, VoxelGrid, validate_cell_size};
 
 impl VoxelGrid {
     /// The grid of half the resolution, and for each cell, by [`CellId::index`], the cell it became part of.
@@ -28,14 +28,23 @@ impl VoxelGrid {
     /// # Errors
     /// [`GridError::CellSize`] when twice the edge is no edge of a voxel.
     pub fn halved(&self) -> Result<(Self, Vec<CellId>), GridError> {
-        let mut coarse = Self::new(2.0 * self.size, self.assignment)?;
+        let size = if self.lattice.halves {
+            2.0 * self.lattice.size
+        } else {
+            validate_cell_size(2.0 * self.lattice.size)?
+        };
+        let mut coarse = Self::of_lattice(Lattice { size, halves: false }, self.assignment);
         let mut of_cell = Vec::with_capacity(self.len());
         for cell in self.founded() {
             let key = cell.key().map(|k| k >> 1);
             let (home, _) = coarse.home_or_new(key)?;
-            let (from, to) = (cell.centre(), centre_of(key, coarse.size));
-            let apart = [0, 1, 2].map(|i| from[i] - to[i]);
-            coarse.moments_mut(home).merge(&cell.moments().translated(apart));
+            if self.lattice.halves {
+                coarse.moments_mut(home).merge(cell.moments());
+            } else {
+                let (from, to) = (cell.anchor(), coarse.lattice.anchor_of(key));
+                let apart = [0, 1, 2].map(|i| from[i] - to[i]);
+                coarse.moments_mut(home).merge(&cell.moments().translated(apart));
+            }
             of_cell.push(coarse.id_of(home));
         }
         Ok((coarse, of_cell))

@@ -4,7 +4,7 @@ use terrace_stats::{SymmetricMatrix3, UncertainVector};
 
 use crate::cell::CellId;
 use crate::grid::Home;
-use crate::key::{centre_of, key_of};
+use crate::key::key_of;
 use crate::{Assignment, GridError, VoxelGrid, VoxelKey};
 
 impl VoxelGrid {
@@ -59,7 +59,7 @@ impl VoxelGrid {
         if !point.error.iter().all(|e| e.is_finite() && *e >= 0.0) {
             return Err(GridError::StandardError { error: point.error });
         }
-        let key = key_of(point.value, self.size)?;
+        let key = key_of(point.value, self.lattice.size)?;
         let (own, new) = self.home_or_new(key)?;
         match self.assignment {
             Assignment::ExpectedDistance if !new => Ok(self.nearest(key, own, point)),
@@ -69,8 +69,8 @@ impl VoxelGrid {
 
     #[inline]
     fn local(&self, key: VoxelKey, point: &UncertainVector) -> UncertainVector {
-        let centre = centre_of(key, self.size);
-        UncertainVector { value: [0, 1, 2].map(|i| point.value[i] - centre[i]), error: point.error }
+        let anchor = self.lattice.anchor_of(key);
+        UncertainVector { value: [0, 1, 2].map(|i| point.value[i] - anchor[i]), error: point.error }
     }
 
     /// The cell around `key` with the smallest expected squared distance, `own` on a tie, and the point relative to its

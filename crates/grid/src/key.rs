@@ -45,3 +45,19 @@ pub(crate) fn key_of(position: [f64; 3], size: f64) -> Result<VoxelKey, GridErro
 pub(crate) fn centre_of(key: VoxelKey, size: f64) -> [f64; 3] {
     key.map(|k| (f64::from(k) + 0.5) * size)
 }
+
+/// Where voxels are, and what the sums of each are relative to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lattice {
+    /// The edge of a voxel, in metres.
+    pub(crate) size: f64,
+    /// Whether sums are about the centre of the voxel of twice the edge that a voxel is in.
+    pub(crate) halves: bool,
+}
+
+impl Lattice {
+    #[inline]
+    pub(crate) fn anchor_of(&self, key: VoxelKey) -> [f64; 3] {
+        if self.halves { centre_of(key.map(|k| k >> 1), 2.0 * self.size) } else { centre_of(key, self.size) }
+    }
+}

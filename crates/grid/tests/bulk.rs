@@ -272,3 +272,43 @@ fn as_many_errors_as_points() {
     assert!(grid.is_empty() && cells.is_empty());
     assert_eq!(grid.insert_all(&[], PointErrors::None, &mut cells, None), Ok(Taken::default()));
 }
+
+proptest! {
+    #[test]
+    fn points_are_found_where_they_were_put(points in prop::collection::vec(prop::array::uniform3(-3.0..3.0_f64), 0..300), halves in any::<bool>()) {
+        let mut grid = if halves { VoxelGrid::of_halves(0.5).unwrap() } else { VoxelGrid::new(0.25, Assignment::Voxel).unwrap() };
+        let (mut cells, mut places) = (Vec::new(), Vec::new());
+        let mut points = points;
+        points.push([f64::NAN, 0.0, 0.0]);
+        points.push([1e300, 0.0, 0.0]);
+        grid.insert_all(&points, PointErrors::None, &mut cells, Some(&mut places)).unwrap();
+        points.push([100.0; 3]);
+        cells.push(None);
+        let (mut found, mut found_places) = (Vec::new(), Vec::new());
+        grid.find_all(&points, &mut found, &mut found_places);
+        prop_assert_eq!(&found, &cells);
+        prop_assert_eq!(&found_places[..places.len()], &places[..]);
+        for (point, (cell, place)) in points.iter().zip(found.iter().zip(&found_places)) {
+            let Some(cell) = cell.and_then(|cell| grid.get(cell)) else { continue };
+            let anchor = cell.anchor();
+            prop_assert!((0..3).all(|i| (point[i] - anchor[i]) as f32 == place[i]));
+        }
+    }
+
+    #[test]
+    fn halves_add_up_to_the_whole(points in prop::collection::vec(prop::array::uniform3(-40..40_i32), 0..200)) {
+        // Eighths of a metre: all sums are exact.
+        let points: Vec<[f64; 3]> = points.iter().map(|point| point.map(|k| f64::from(k) / 8.0)).collect();
+        let mut fine = VoxelGrid::of_halves(1.0).unwrap();
+        let mut whole = VoxelGrid::new(1.0, Assignment::Voxel).unwrap();
+        for grid in [&mut fine, &mut whole] {
+            grid.insert_all(&points, PointErrors::Same(0.5), &mut Vec::new(), None).unwrap();
+        }
+        let (coarse, of) = fine.halved().unwrap();
+        prop_assert_eq!(sums(&coarse), sums(&whole));
+        for (cell, of) in fine.founded().zip(of) {
+            prop_assert_eq!(cell.key().map(|k| k >> 1), coarse.get(of).unwrap().key());
+            prop_assert_eq!(cell.anchor(), coarse.get(of).unwrap().centre());
+        }
+    }
+}

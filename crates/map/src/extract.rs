@@ -6,7 +6,7 @@ use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
 
 use crate::estimate::{Errors, Owned, estimate_planes};
-use crate::facing::face_sensors;
+use crate::facing::{face_sensors, seen_by};
 use crate::first::First;
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
@@ -82,7 +82,8 @@ impl Mapper {
         });
         let labels: Vec<_> =
             self.kept().cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
-        face_sensors(&mut planes, &labels, self.views());
+        let seen = seen_by(self.views(), &labels, planes.len());
+        face_sensors(&mut planes, &seen, self.views());
         let noise = estimated.and_then(|errors| errors.level);
         let cells = nodes
             .stats
@@ -91,7 +92,7 @@ impl Mapper {
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }))
             .collect();
         let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered };
-        Ok(PlaneMap { planes, labels, used, noise, cells, cell_counts, optimised })
+        Ok(PlaneMap { planes, points: self.len(), labels, used, noise, cells, cell_counts, optimised })
     }
 }
 

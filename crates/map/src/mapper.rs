@@ -195,8 +195,10 @@ impl Mapper {
             }
         };
         if let Some(size) = size {
-            let share = if self.params.grows().is_some() { 0.5 } else { 1.0 };
-            self.fine = Some(VoxelGrid::new(share * size, self.params.assignment)?);
+            self.fine = Some(match self.params.grows() {
+                Some(_) => VoxelGrid::of_halves(size)?,
+                None => VoxelGrid::new(size, self.params.assignment)?,
+            });
         }
         self.chosen = choice;
         self.coarse = OnceLock::new();
@@ -209,8 +211,18 @@ impl Mapper {
             points: taken.points,
             absent: taken.not_finite,
             out_of_range: taken.refused,
-            first_refusal: taken.first_refusal,
+            first_refusal: taken.first_refusal.map(|refusal| self.in_cells_of_the_map(refusal)),
         })
+    }
+
+    /// A refusal tells the cell size, also where points are added to cells of half of it.
+    fn in_cells_of_the_map(&self, refusal: GridError) -> GridError {
+        match refusal {
+            GridError::OutOfRange { position, size } if self.params.grows().is_some() => {
+                GridError::OutOfRange { position, size: 2.0 * size }
+            }
+            other => other,
+        }
     }
 
     /// Adds points with weight 1, many at once.

@@ -100,7 +100,9 @@ pub struct Summary {
 pub struct PlaneMap {
     /// The planes, in the order of their numbers.
     pub planes: Vec<ExtractedPlane>,
-    /// The plane of each input point, over all scans in the order of insertion.
+    /// Number of input points, absent ones included.
+    pub points: usize,
+    /// The plane of each input point, over all scans in the order of insertion; empty when points were not kept.
     pub labels: Vec<Option<PlaneId>>,
     /// The parameters used.
     pub used: Used,
@@ -118,8 +120,12 @@ impl PlaneMap {
     /// Counts and averages.
     pub fn summary(&self) -> Summary {
         Summary {
-            points: self.labels.len(),
-            labelled: self.labels.iter().flatten().count(),
+            points: self.points,
+            labelled: self
+                .planes
+                .iter()
+                .map(|plane| usize::try_from(plane.points).unwrap_or(usize::MAX))
+                .sum(),
             planes: self.planes.len(),
             normal_uncertainty_mean: mean(self.planes.iter().filter_map(|p| p.normal_uncertainty)),
         }

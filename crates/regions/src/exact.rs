@@ -1,56 +1,45 @@
 //! Planes by their labelled points, where all points are at hand.
 
-use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::labels::Points;
 use crate::segment::{Found, Segmentation, Share};
-use crate::{Cell, Samples};
+use crate::{Measure, Samples};
 
-/// Some points of each cell, in the order of their cells.
+/// Points that are labelled by a thread at once.
+const AT_ONCE: usize = 1 << 14;
+
+/// Some points of each cell.
 pub(crate) fn samples_of(points: Points) -> Samples {
     let mut samples = Samples::default();
-    for (cell, place) in points.cells.iter().zip(points.places) {
-        if let Some(cell) = cell.filter(|_| place.iter().all(|x| x.is_finite())) {
-            samples.push(cell, *place);
-        }
-    }
+    let finite = |place: &[f32; 3]| place.iter().all(|x| x.is_finite());
+    let known = points.cells.iter().zip(points.places).filter_map(|(cell, place)| Some(((*cell)?, *place)));
+    samples.push_all(known.filter(|(_, place)| finite(place)));
     samples
 }
 
 /// Labels all points, and counts and measures each plane by those it has then. Planes with fewer points than are asked for are none.
-pub(crate) fn by_points(found: Found, cells: &[Cell], points: Points) -> Segmentation {
-    let mut labels = found.labeller.label_all(points);
-    let mut regions = found.regions;
-    let mut counts = vec![0_u64; regions.len()];
-    labels.iter().flatten().for_each(|label| counts[*label as usize] += 1);
-    let mut order: Vec<usize> =
-        (0..regions.len()).filter(|at| counts[*at] > 0 && counts[*at] as f64 >= found.min_points).collect();
-    order.sort_by_key(|at| std::cmp::Reverse(counts[*at]));
-    let mut rank: Vec<Option<u32>> = vec![None; regions.len()];
-    for (new, old) in (0..).zip(&order) {
-        rank[*old] = Some(new);
+pub(crate) fn by_points(mut found: Found, points: Points) -> Segmentation {
+    let labelled =
+        points.cells.par_chunks(AT_ONCE).zip(points.places.par_chunks(AT_ONCE)).map(|(cells, places)| {
+            let mut labels = Vec::with_capacity(cells.len());
+            let of_points = cells.iter().copied().zip(places.iter().copied());
+            let measures = found.labeller.label_all(of_points, |label| labels.push(label));
+            (labels, measures)
+        });
+    let labelled: Vec<(Vec<Option<u32>>, Vec<Measure>)> = labelled.collect();
+    let mut measures = vec![Measure::default(); found.regions.len()];
+    for (_, of_some) in &labelled {
+        measures.iter_mut().zip(of_some).for_each(|(sum, more)| sum.add(more));
     }
-    labels.iter_mut().for_each(|label| *label = label.and_then(|label| rank[label as usize]));
-    regions = order.iter().map(|old| regions[*old]).collect();
-
-    let mut sums = vec![(DVec3::ZERO, 0.0); regions.len()];
-    let mut shares: Vec<(u32, u32)> = Vec::new();
-    for ((label, cell), place) in labels.iter().zip(points.cells).zip(points.places) {
-        let (Some(label), Some(cell)) = (label, cell) else { continue };
-        let region = &regions[*label as usize];
-        let anchor = DVec3::from(cells[*cell as usize].stats.anchor()) - DVec3::from(region.point);
-        let from = anchor + DVec3::from(place.map(f64::from));
-        let (sum, squares) = &mut sums[*label as usize];
-        *sum += from;
-        *squares += from.dot(region.normal.into()).powi(2);
-        shares.push((*cell, *label));
-    }
-    for ((region, old), (sum, squares)) in regions.iter_mut().zip(&order).zip(sums) {
-        region.points = counts[*old];
-        let points = region.points as f64;
-        region.centroid = (DVec3::from(region.point) + sum / points).to_array();
-        region.rms = (squares / points).sqrt();
-    }
+    let numbers = found.by_measures(&measures);
+    let labels: Vec<Option<u32>> = labelled
+        .iter()
+        .flat_map(|(labels, _)| labels)
+        .map(|label| label.and_then(|label| numbers.get(label as usize).copied().flatten()))
+        .collect();
+    let mut shares: Vec<(u32, u32)> =
+        points.cells.iter().zip(&labels).filter_map(|(cell, label)| Some(((*cell)?, (*label)?))).collect();
     shares.sort_unstable();
     let shares = shares
         .chunk_by(|a, b| a == b)
@@ -61,7 +50,7 @@ pub(crate) fn by_points(found: Found, cells: &[Cell], points: Points) -> Segment
         })
         .collect();
     Segmentation {
-        regions,
+        regions: found.regions,
         labels,
         shares,
         noise_scale: found.noise_scale,

@@ -95,7 +95,7 @@ pub use bend::Bend;
 pub use cell::Cell;
 pub use error::RegionsError;
 pub use field::sums_around;
-pub use labels::{Labeller, Points};
+pub use labels::{Labeller, Measure, Points};
 pub use samples::Samples;
 pub use segment::{Found, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};

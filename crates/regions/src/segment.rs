@@ -6,9 +6,9 @@ use crate::bend::Bend;
 use crate::cell::Noise;
 use crate::exact::{by_points, samples_of};
 use crate::field::Field;
-use crate::flat::Fitted;
+use crate::flat::{Fitted, Flat};
 use crate::grow::{Growth, Region as Grown, grow};
-use crate::labels::{Labeller, Piece, Points, pieces};
+use crate::labels::{Labeller, Measure, Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Surface;
@@ -126,7 +126,7 @@ pub fn segment(
     let samples = samples_of(points);
     let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let known = points.cells.iter().flatten().count();
-    Ok(by_points(find(cells, edge, known as u64, of_cell, settings)?, cells, points))
+    Ok(by_points(find(cells, edge, known as u64, of_cell, settings)?, points))
 }
 
 /// Finds the planes of a scene without its points: from the sums of cells, as for [`segment`], and a sample of the points of each. Points
@@ -203,6 +203,9 @@ pub fn find<'s>(
     };
     let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
     shares.sort_unstable_by_key(|share| (share.cell, share.region));
+    let plane =
+        |(_, region): &(u32, Region)| Flat { normal: region.normal.into(), point: region.point.into() };
+    let planes = found.iter().map(plane).collect();
     let mut of_pieces = pieces.iter().peekable();
     let number = |cell: u32, region: u32| {
         // Cells are asked for in their order, each for several regions.
@@ -215,7 +218,7 @@ pub fn find<'s>(
             .find(same)
             .map_or(region, |piece| piece.region) as usize]
     };
-    let labeller = Labeller::of(&field, of_cells, settings.reach, number);
+    let labeller = Labeller::of(&field, of_cells, settings.reach, number, planes);
     Ok(Found {
         shares,
         regions: found.into_iter().map(|(_, region)| region).collect(),
@@ -224,6 +227,31 @@ pub fn find<'s>(
         min_area: least,
         labeller,
     })
+}
+
+impl Found {
+    /// The same planes with points as they were counted and measured one by one, those with most points first; planes with fewer than
+    /// are asked for are none. Tells the new number of each plane, if it is one.
+    pub fn by_measures(&mut self, measures: &[Measure]) -> Vec<Option<u32>> {
+        let points = |at: usize| measures.get(at).map_or(0, |measure| measure.points);
+        let is_one = |at: &usize| points(*at) > 0 && points(*at) as f64 >= self.min_points;
+        let mut order: Vec<usize> = (0..self.regions.len()).filter(is_one).collect();
+        order.sort_by_key(|at| std::cmp::Reverse(points(*at)));
+        let mut numbers: Vec<Option<u32>> = vec![None; self.regions.len()];
+        for (new, old) in (0..).zip(&order) {
+            numbers[*old] = Some(new);
+        }
+        let measured = |at: &usize| {
+            let (region, measure) = (self.regions[*at], measures.get(*at)?);
+            let (mean, rms) = measure.mean_and_rms(self.labeller.units());
+            let centroid = [0, 1, 2].map(|i| region.point[i] + mean[i]);
+            Some(Region { points: measure.points, centroid, rms, ..region })
+        };
+        self.regions = order.iter().filter_map(measured).collect();
+        let share = |share: &Share| Some(Share { region: numbers[share.region as usize]?, ..*share });
+        self.shares = self.shares.iter().filter_map(share).collect();
+        numbers
+    }
 }
 
 impl Region {

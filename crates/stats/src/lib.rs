@@ -15,7 +15,6 @@
 //! * [`Moments`]: the sums, about the origin of whatever coordinates they were given in. 136 bytes.
 //! * [`Stats`]: moments together with the *anchor* they are relative to. This is the type to use; `Moments` is for
 //!   those who know the anchor already, such as a grid whose cells are their own anchors.
-//! * [`Run`]: sums of vectors of weight 1 that are added to moments at once, for those who have many.
 //! * [`SymmetricMatrix3`]: a covariance or second moment.
 //!
 //! # Why an anchor
@@ -54,13 +53,11 @@
 
 mod matrix;
 mod moments;
-mod run;
 mod stats;
 mod vector;
 
 pub use matrix::SymmetricMatrix3;
 pub use moments::Moments;
-pub use run::Run;
 pub use stats::Stats;
 pub use vector::UncertainVector;
 

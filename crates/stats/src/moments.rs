@@ -1,6 +1,6 @@
 //! The sums themselves.
 
-use crate::{Run, SymmetricMatrix3, UncertainVector};
+use crate::{SymmetricMatrix3, UncertainVector};
 
 /// Sums over uncertain vectors `pᵢ` with standard errors `εᵢ` and weights `wᵢ`, about the origin of their coordinates.
 ///
@@ -47,14 +47,7 @@ impl Moments {
     /// Adds a vector with weight 1.
     #[inline]
     pub fn push(&mut self, v: &UncertainVector) {
-        self.count = self.count.saturating_add(1);
-        self.weight += 1.0;
-        self.second += SymmetricMatrix3::outer(v.value);
-        let [x, y, z] = v.variance();
-        self.noise += SymmetricMatrix3::diagonal([x, y, z]);
-        for i in 0..3 {
-            self.sum[i] += v.value[i];
-        }
+        self.push_independent(v.value, v.variance());
     }
 
     /// Adds a vector with weight 1 whose error has any covariance: that of a measurement along a ray, say.
@@ -69,15 +62,15 @@ impl Moments {
         }
     }
 
-    /// Adds the vectors of a run, each with weight 1. `noise` is the sum of the covariances of their errors.
+    /// Adds a vector with weight 1 whose errors along the axes are independent and have these variances.
     #[inline]
-    pub fn push_run(&mut self, run: &Run, noise: &SymmetricMatrix3) {
-        self.count = self.count.saturating_add(run.count);
-        self.weight += run.count as f64;
-        self.second += SymmetricMatrix3(run.second);
-        self.noise += *noise;
+    pub fn push_independent(&mut self, value: [f64; 3], variances: [f64; 3]) {
+        self.count = self.count.saturating_add(1);
+        self.weight += 1.0;
+        self.second += SymmetricMatrix3::outer(value);
+        self.noise += SymmetricMatrix3::diagonal(variances);
         for i in 0..3 {
-            self.sum[i] += run.sum[i];
+            self.sum[i] += value[i];
         }
     }
 

@@ -1,7 +1,7 @@
 //! Runs into the cells of a part of the grid.
 
 use super::runs::{Run, SECTION};
-use super::{PointErrors, sums};
+use super::{PointErrors, records};
 use crate::block::{BlockKey, place_of};
 use crate::part::Part;
 
@@ -23,7 +23,7 @@ impl Share<'_> {
             let mut sums = *sums;
             for run in runs.iter() {
                 let moments = &mut part.slots[run.slot as usize].moments;
-                sums = sums::add(moments, run.len(), errors, sums);
+                sums = records::add(moments, run.len(), errors, sums);
             }
         }
     }

@@ -64,50 +64,6 @@ impl PointErrors<'_> {
         (!error.iter().all(|e| is_error(*e))).then_some(GridError::StandardError { error })
     }
 
-    /// How many numbers the sum of the covariances of some errors is written with.
-    #[inline]
-    pub(super) fn noise_len(&self) -> usize {
-        match self {
-            Self::None | Self::Same(_) => 0,
-            Self::Each(_) => 1,
-            Self::Axes(_) => 3,
-            Self::Covariances(_) => 6,
-        }
-    }
-
-    /// Writes the sum of the covariances of the errors of some of the points.
-    #[inline]
-    pub(super) fn write_noise(&self, range: Range<usize>, to: &mut [f64]) {
-        match self {
-            Self::None | Self::Same(_) => {}
-            Self::Each(sigmas) => to.fill(sigmas[range].iter().map(|sigma| sigma * sigma).sum()),
-            Self::Axes(sigmas) => {
-                to.fill(0.0);
-                for (sum, sigma) in sigmas[range].iter().flat_map(|sigma| (0..3).zip(sigma)) {
-                    to[sum] += sigma * sigma;
-                }
-            }
-            Self::Covariances(covariances) => {
-                to.fill(0.0);
-                for (sum, entry) in covariances[range].iter().flat_map(|covariance| (0..6).zip(covariance)) {
-                    to[sum] += entry;
-                }
-            }
-        }
-    }
-
-    /// The sum that was written for so many points.
-    #[inline]
-    pub(super) fn read_noise(&self, points: usize, from: &[f64]) -> SymmetricMatrix3 {
-        match (self, from) {
-            (Self::Same(sigma), _) => SymmetricMatrix3::diagonal([sigma * sigma * points as f64; 3]),
-            (_, [variance]) => SymmetricMatrix3::diagonal([*variance; 3]),
-            (_, [x, y, z]) => SymmetricMatrix3::diagonal([*x, *y, *z]),
-            (_, [xx, xy, xz, yy, yz, zz]) => SymmetricMatrix3([*xx, *xy, *xz, *yy, *yz, *zz]),
-            _ => SymmetricMatrix3::ZERO,
-        }
-    }
-
     /// Adds one point.
     pub(super) fn insert(
         &self,

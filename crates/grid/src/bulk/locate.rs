@@ -1,5 +1,6 @@
 //! The voxels of many points.
 
+use crate::key::Lattice;
 use crate::{MAX_INDEX, VoxelKey};
 
 /// Points whose voxels are found at once: their lists stay in the nearest cache.
@@ -28,24 +29,41 @@ impl Located {
     /// The voxel is that of the quotient as computed, rounded down: `x * (1 / size)` would be another number on the faces
     /// of voxels. There is no call and no branch in the loop, so that several coordinates are done at a time, with any
     /// instruction set; the result is exact, so the same with each.
-    pub(super) fn locate(&mut self, points: &[[f64; 3]], size: f64) -> bool {
+    pub(super) fn locate(&mut self, points: &[[f64; 3]], lattice: Lattice) -> bool {
+        if lattice.halves {
+            self.located::<true>(points, lattice.size)
+        } else {
+            self.located::<false>(points, lattice.size)
+        }
+    }
+
+    #[inline]
+    fn located<const HALVES: bool>(&mut self, points: &[[f64; 3]], size: f64) -> bool {
         let keys = self.keys.as_flattened_mut().iter_mut();
         let places = self.places.as_flattened_mut().iter_mut();
         let mut inside = true;
         for ((x, key), place) in points.as_flattened().iter().zip(keys).zip(places) {
             let quotient = x / size;
-            let nearest = (quotient + ROUNDING) - ROUNDING;
-            let floor = nearest - if nearest > quotient { 1.0 } else { 0.0 };
+            let floor = floor(quotient);
             inside &= floor.abs() <= f64::from(MAX_INDEX);
             // The lowest bits are the integer.
             #[allow(clippy::cast_possible_truncation)]
             let index = (floor + ROUNDING).to_bits() as u32;
             *key = index.cast_signed();
+            let anchor =
+                if HALVES { (self::floor(0.5 * floor) + 0.5) * (2.0 * size) } else { (floor + 0.5) * size };
             // A thousandth of a per mille of a cell is enough.
             #[allow(clippy::cast_possible_truncation)]
-            let rounded = (x - (floor + 0.5) * size) as f32;
+            let rounded = (x - anchor) as f32;
             *place = rounded;
         }
         inside
     }
+}
+
+/// The largest integer up to a number, for numbers up to 2⁵¹.
+#[inline]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + ROUNDING) - ROUNDING;
+    nearest - if nearest > x { 1.0 } else { 0.0 }
 }

@@ -2,9 +2,10 @@
 
 mod add;
 mod errors;
+mod find;
 mod locate;
+mod records;
 mod runs;
-mod sums;
 
 use rayon::prelude::*;
 
@@ -43,12 +44,12 @@ impl Taken {
 
 impl VoxelGrid {
     /// Adds points with weight 1, faster than one by one and on all threads of the rayon pool, and appends the cell of each
-    /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the centre of its voxel (of
+    /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the [anchor](crate::Cell::anchor) of its voxel (of
     /// its cell, with [`Assignment::ExpectedDistance`]), 0 if it was refused.
     ///
-    /// Cells and their identities are those of [`VoxelGrid::insert`] point by point; sums are the same up to rounding, and
-    /// to the bit on any number of threads. [`Assignment::ExpectedDistance`] depends on the order of points, which are then
-    /// inserted one by one.
+    /// Cells, their identities and their sums are those of [`VoxelGrid::insert`] point by point, to the bit, on any number of threads and
+    /// however points are handed over. [`Assignment::ExpectedDistance`] depends on the order of points, which are then inserted one by
+    /// one.
     ///
     /// ```
     /// use terrace_grid::{Assignment, PointErrors, VoxelGrid};
@@ -116,10 +117,10 @@ impl VoxelGrid {
                     taken.points += 1;
                     *of_point = Some(cell);
                     if let (Some(places), Some(cell)) = (&mut places, self.get(cell)) {
-                        let centre = cell.centre();
+                        let anchor = cell.anchor();
                         // A thousandth of a per mille of a cell is enough.
                         #[allow(clippy::cast_possible_truncation)]
-                        let place = [0, 1, 2].map(|i| (point[i] - centre[i]) as f32);
+                        let place = [0, 1, 2].map(|i| (point[i] - anchor[i]) as f32);
                         places[at] = place;
                     }
                 }
@@ -138,7 +139,7 @@ impl VoxelGrid {
         places: Option<&mut [[f32; 3]]>,
     ) -> Taken {
         let Chunk { points, errors } = *chunk;
-        let size = self.size;
+        let lattice = self.lattice;
         let of_sections = points.chunks(SECTION);
         sections.resize_with(of_sections.len(), Section::default);
         let mut places = places.map(|places| places.chunks_mut(SECTION));
@@ -152,7 +153,7 @@ impl VoxelGrid {
             |found, (at, (section, points, places))| {
                 let begin = at * SECTION;
                 let errors = errors.part(begin..begin + points.len());
-                section.find(points, &errors, size, places.as_deref_mut(), found);
+                section.find(points, &errors, lattice, places.as_deref_mut(), found);
             },
         );
 

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::locate::{BATCH, Located, NOWHERE};
-use super::{PointErrors, Taken, sums};
+use super::{PointErrors, Taken, records};
 use crate::block::{BlockKey, PARTS, part_of};
-use crate::key::{centre_of, key_of};
+use crate::key::{Lattice, key_of};
 use crate::{GridError, VoxelKey};
 
 /// Points of a section. Their numbers fit into 16 bits.
@@ -45,7 +45,7 @@ pub(super) type Found = Vec<(Run, u8)>;
 pub(super) struct Section {
     /// By part, then in the order of the points.
     runs: Vec<Run>,
-    /// What each of them adds, in the same order: see [`sums::write`].
+    /// What each of them adds, in the same order: see [`records::write`].
     sums: Vec<f64>,
     /// How many runs and sums each part has.
     lengths: Vec<[usize; 2]>,
@@ -59,7 +59,7 @@ impl Section {
         &mut self,
         points: &[[f64; 3]],
         errors: &PointErrors<'_>,
-        size: f64,
+        lattice: Lattice,
         places: Option<&mut [[f32; 3]]>,
         found: &mut Found,
     ) {
@@ -71,9 +71,9 @@ impl Section {
         for (batch, points) in points.chunks(BATCH).enumerate() {
             let begin = batch * BATCH;
             let errors = errors.part(begin..begin + points.len());
-            let inside = located.locate(points, size);
+            let inside = located.locate(points, lattice);
             if !(inside && errors.are_valid()) {
-                self.refuse(&mut located, points, &errors, size);
+                self.refuse(&mut located, points, &errors, lattice);
             }
             if let Some(places) = places.as_mut().and_then(Iterator::next) {
                 places.copy_from_slice(&located.places[..points.len()]);
@@ -86,14 +86,20 @@ impl Section {
             }
         }
         open.close(points.len(), found);
-        self.sort(found, points, errors, size);
+        self.sort(found, points, errors, lattice);
     }
 
     /// Takes the points that cannot be inserted out of those located.
     #[cold]
-    fn refuse(&mut self, located: &mut Located, points: &[[f64; 3]], errors: &PointErrors<'_>, size: f64) {
+    fn refuse(
+        &mut self,
+        located: &mut Located,
+        points: &[[f64; 3]],
+        errors: &PointErrors<'_>,
+        lattice: Lattice,
+    ) {
         for (at, point) in points.iter().enumerate() {
-            let refusal = match key_of(*point, size) {
+            let refusal = match key_of(*point, lattice.size) {
                 Err(absent @ GridError::PointNotFinite { .. }) => Some(absent),
                 key => errors.refusal(at).or(key.err()),
             };
@@ -106,12 +112,12 @@ impl Section {
     }
 
     /// Puts the runs in the order of their parts, and what they add beside them: each part then reads on end.
-    fn sort(&mut self, found: &[(Run, u8)], points: &[[f64; 3]], errors: &PointErrors<'_>, size: f64) {
+    fn sort(&mut self, found: &[(Run, u8)], points: &[[f64; 3]], errors: &PointErrors<'_>, lattice: Lattice) {
         let mut next = [[0; 2]; PARTS];
         for (run, part) in found {
             let [runs, sums] = &mut next[usize::from(*part)];
             *runs += 1;
-            *sums += sums::len(run.len(), errors);
+            *sums += run.len() * records::width(errors);
         }
         self.lengths.clear();
         self.lengths.extend_from_slice(&next);
@@ -126,11 +132,11 @@ impl Section {
             let [at, sums_at] = &mut next[usize::from(*part)];
             self.runs[*at] = *run;
             *at += 1;
-            let len = sums::len(run.len(), errors);
+            let len = run.len() * records::width(errors);
             let sums = &mut self.sums[*sums_at..*sums_at + len];
             *sums_at += len;
-            let centre = centre_of(run.key, size);
-            sums::write(&points[run.points()], centre, errors, run.points(), sums);
+            let anchor = lattice.anchor_of(run.key);
+            records::write(&points[run.points()], anchor, errors, run.points(), sums);
         }
     }
 

@@ -7,7 +7,7 @@ mod fine;
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Found, Region, find};
+use terrace_regions::{Found, Measure, Region, find};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -16,8 +16,7 @@ use crate::facing::face_sensors;
 use crate::first::used_of;
 use crate::nodes::Nodes;
 use crate::{
-    CellCounts, ExtractError, ExtractedPlane, Grown, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage,
-    Used,
+    CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
 };
 
 use coplanar::joined;
@@ -28,28 +27,88 @@ const MOSTLY: f64 = 0.9;
 /// Points that are labelled by a thread at once.
 const AT_ONCE: usize = 1 << 14;
 
+/// Regions of a map, before their points are labelled.
+pub(crate) struct Grown<'m> {
+    mapper: &'m Mapper,
+    settings: Regions,
+    grid: &'m VoxelGrid,
+    used: Used,
+    nodes: Nodes,
+    errors: Errors<'m>,
+    pub(crate) fine: Fine<'m>,
+    pub(crate) found: Found,
+}
+
 impl Mapper {
-    /// The planes as regions.
+    /// The planes as regions, and the labels of all points, which are kept.
     pub(crate) fn extract_regions(
         &self,
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
-        let (grid, used) = used_of(self)?;
-        let (Some(cells), Some(coarse)) = (self.fine(), self.coarse()) else {
+        let mut grown = Grown::of(self, settings, &mut begins)?;
+        begins(Stage::Label { points: self.len() });
+        let (mut labels, by_view) = grown.label_kept();
+        let mut measures = vec![Measure::default(); grown.found.regions.len()];
+        for of_view in &by_view {
+            measures.iter_mut().zip(of_view).for_each(|(sum, more)| sum.add(more));
+        }
+        let numbers = grown.found.by_measures(&measures);
+        let number = |old: usize| PlaneId::from_index((*numbers.get(old)?)? as usize);
+        let (mut map, joined) = grown.planes();
+        let numbers: Vec<Option<PlaneId>> = (0..numbers.len())
+            .map(|old| number(old).and_then(|id| joined.as_ref().map_or(Some(id), |anew| anew[id.index()])))
+            .collect();
+        if (0..).zip(&numbers).any(|(old, new)| *new != PlaneId::from_index(old)) {
+            let renamed = |id: &mut Option<PlaneId>| *id = id.and_then(|id| numbers[id.index()]);
+            labels.par_iter_mut().with_min_len(AT_ONCE).for_each(renamed);
+        }
+        let seen = renumbered(&by_view, &numbers, map.planes.len());
+        face_sensors(&mut map.planes, &seen, self.views());
+        map.labels = labels;
+        Ok(map)
+    }
+}
+
+/// How many points of each plane each view saw, by the numbers that planes have now.
+pub(crate) fn renumbered(
+    by_view: &[Vec<Measure>],
+    numbers: &[Option<PlaneId>],
+    planes: usize,
+) -> Vec<Vec<u64>> {
+    let of_view = |measures: &Vec<Measure>| {
+        let mut seen = vec![0; planes];
+        for (measure, number) in measures.iter().zip(numbers) {
+            if let Some(seen) = number.and_then(|number| seen.get_mut(number.index())) {
+                *seen += measure.points;
+            }
+        }
+        seen
+    };
+    by_view.iter().map(of_view).collect()
+}
+
+impl<'m> Grown<'m> {
+    pub(crate) fn of(
+        mapper: &'m Mapper,
+        settings: &Regions,
+        mut begins: impl FnMut(Stage),
+    ) -> Result<Self, ExtractError> {
+        let (grid, used) = used_of(mapper)?;
+        let (Some(cells), Some(coarse)) = (mapper.fine(), mapper.coarse()) else {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let nodes = Nodes::of(grid, used.tau, self.params());
+        let nodes = Nodes::of(grid, used.tau, mapper.params());
 
-        begins(Stage::Grow { cells: cells.len() });
-        let floor = self.params().estimate.unwrap_or_default().floor;
-        let mut errors = Errors::of(self, &nodes, floor);
+        begins(Stage::Grow { cells: grid.len() });
+        let floor = mapper.params().estimate.unwrap_or_default().floor;
+        let mut errors = Errors::of(mapper, &nodes, floor);
         let mut fine = Fine::of(cells, coarse);
         if !nodes.know_errors() {
             fine.find_errors(&mut errors);
         }
-        let samples = |place: usize| fine.number(place).map_or(&[][..], |number| self.samples().of(number));
+        let samples = |place: usize| fine.number(place).map_or(&[][..], |number| mapper.samples().of(number));
         let found = find(
             &fine.cells,
             cells.cell_size(),
@@ -57,42 +116,93 @@ impl Mapper {
             samples,
             &settings.settings(nodes.know_errors() && settings.errors_are_complete),
         )?;
-
-        begins(Stage::Label { points: self.len() });
-        let label = |(cell, place): (&Option<CellId>, &[f32; 3])| {
-            let label = found.labeller.label(fine.place((*cell)?)?, *place)?;
-            PlaneId::from_index(label as usize)
+        let grown = crate::Grown {
+            noise_scale: found.noise_scale,
+            min_points: found.min_points,
+            min_area: found.min_area,
         };
-        let kept = self.kept();
-        let mut labels: Vec<Option<PlaneId>> =
-            kept.cells.par_iter().zip(&kept.places).with_min_len(AT_ONCE).map(label).collect();
+        let used = Used { grown: Some(grown), ..used };
+        Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, found })
+    }
+
+    /// The labels of all points that are kept, and what they measure, view by view.
+    fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Vec<Measure>>) {
+        let kept = self.mapper.kept();
+        let mut labels: Vec<Option<PlaneId>> = vec![None; kept.cells.len()];
+        let mut rest = (&kept.cells[..], &kept.places[..], &mut labels[..]);
+        let mut by_view = Vec::new();
+        for view in self.mapper.views() {
+            let (cells, more_cells) = rest.0.split_at(view.points);
+            let (places, more_places) = rest.1.split_at(view.points);
+            let (labels, more_labels) = rest.2.split_at_mut(view.points);
+            rest = (more_cells, more_places, more_labels);
+            by_view.push(self.label(cells, places, labels));
+        }
+        (labels, by_view)
+    }
+
+    /// The labels of points, and what they measure.
+    pub(crate) fn label(
+        &self,
+        cells: &[Option<CellId>],
+        places: &[[f32; 3]],
+        labels: &mut [Option<PlaneId>],
+    ) -> Vec<Measure> {
+        let parts =
+            cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
+        let of_parts: Vec<Vec<Measure>> = parts
+            .map(|((cells, places), labels)| {
+                let points = cells.iter().zip(places);
+                let points =
+                    points.map(|(cell, place)| (cell.and_then(|cell| self.fine.place(cell)), *place));
+                let mut labels = labels.iter_mut();
+                self.found.labeller.label_all(points, |found| {
+                    if let Some(label) = labels.next() {
+                        *label = found.and_then(|found| PlaneId::from_index(found as usize));
+                    }
+                })
+            })
+            .collect();
+        let mut measures = vec![Measure::default(); self.found.regions.len()];
+        for of_part in &of_parts {
+            measures.iter_mut().zip(of_part).for_each(|(sum, more)| sum.add(more));
+        }
+        measures
+    }
+
+    /// The planes with their covariances, joined where that is asked for, and which plane each has become then.
+    pub(crate) fn planes(self) -> (PlaneMap, Option<Vec<Option<PlaneId>>>) {
+        let Self { mapper, settings, grid, used, nodes, mut errors, fine, found } = self;
         let mut owner = OwnerOfCells { nodes: &nodes, of: fine.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
-        if self.params().estimate.is_some() || settings.join == Join::Coplanar {
+        let asked = mapper.params().estimate.is_some();
+        if asked || settings.join == Join::Coplanar {
             errors = owner.estimate(&mut planes, grid, used.tau, errors);
         }
-        if settings.join == Join::Coplanar
-            && let Some(anew) = joined(&mut planes)
-        {
+        let anew = if settings.join == Join::Coplanar { joined(&mut planes) } else { None };
+        if let Some(anew) = &anew {
             let renamed =
                 |id: &mut Option<PlaneId>| *id = id.and_then(|id| anew.get(id.index()).copied().flatten());
-            labels.par_iter_mut().for_each(renamed);
             owner.of.iter_mut().for_each(renamed);
             owner.describe(&mut planes);
             errors = owner.estimate(&mut planes, grid, used.tau, errors);
         }
-        face_sensors(&mut planes, &labels, self.views());
-        if self.params().estimate.is_none() {
+        if !asked {
             for plane in &mut planes {
                 plane.estimate = None;
             }
         }
-        let cells = owner.labelled();
-        let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 };
-        let grown =
-            Grown { noise_scale: found.noise_scale, min_points: found.min_points, min_area: found.min_area };
-        let used = Used { grown: Some(grown), ..used };
-        Ok(PlaneMap { planes, labels, used, noise: errors.level, cells, cell_counts, optimised: Vec::new() })
+        let map = PlaneMap {
+            planes,
+            points: mapper.len(),
+            labels: Vec::new(),
+            used,
+            noise: errors.level,
+            cells: owner.labelled(),
+            cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
+            optimised: Vec::new(),
+        };
+        (map, anew)
     }
 }
 

@@ -31,7 +31,8 @@ impl Gridded {
         scans: &[Scan],
         truth: Option<&[TrueLabel]>,
     ) -> Result<Self, TuneError> {
-        let mut mapper = Mapper::new(Params { cell_size: Some(cell_size), ..*params })?;
+        // Settings of clusters are tuned, whatever is extracted.
+        let mut mapper = Mapper::new(Params { cell_size: Some(cell_size), regions: None, ..*params })?;
         for scan in scans {
             mapper.insert(scan)?;
         }

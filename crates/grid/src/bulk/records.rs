@@ -1,0 +1,79 @@
+//! The points of a run as numbers on end: each from the centre of its voxel, then what is known of its error.
+
+use std::ops::Range;
+
+use terrace_stats::{Moments, SymmetricMatrix3};
+
+use super::PointErrors;
+
+/// How many numbers a point is written with.
+#[inline]
+pub(super) fn width(errors: &PointErrors<'_>) -> usize {
+    match errors {
+        PointErrors::None | PointErrors::Same(_) => 3,
+        PointErrors::Each(_) => 4,
+        PointErrors::Axes(_) => 6,
+        PointErrors::Covariances(_) => 9,
+    }
+}
+
+/// Writes points. `range` are their places among those of the errors.
+#[inline]
+pub(super) fn write(
+    points: &[[f64; 3]],
+    centre: [f64; 3],
+    errors: &PointErrors<'_>,
+    range: Range<usize>,
+    to: &mut [f64],
+) {
+    let records = to.chunks_exact_mut(width(errors)).zip(points).zip(range);
+    for ((record, point), at) in records {
+        let (value, noise) = record.split_at_mut(3);
+        for i in 0..3 {
+            value[i] = point[i] - centre[i];
+        }
+        match errors {
+            PointErrors::None | PointErrors::Same(_) => {}
+            PointErrors::Each(sigmas) => noise[0] = sigmas[at] * sigmas[at],
+            PointErrors::Axes(sigmas) => noise.copy_from_slice(&sigmas[at].map(|sigma| sigma * sigma)),
+            PointErrors::Covariances(all) => noise.copy_from_slice(&all[at]),
+        }
+    }
+}
+
+/// Adds so many points that were written, one after the other as they would be alone, and returns what is left to read.
+#[inline]
+pub(super) fn add<'n>(
+    moments: &mut Moments,
+    points: usize,
+    errors: &PointErrors<'_>,
+    from: &'n [f64],
+) -> &'n [f64] {
+    let (written, rest) = from.split_at(points * width(errors));
+    // A copy that stays in registers.
+    let mut sums = *moments;
+    match errors {
+        PointErrors::None => {
+            written.as_chunks().0.iter().for_each(|value| sums.push_independent(*value, [0.0; 3]));
+        }
+        PointErrors::Same(sigma) => {
+            let variances = [sigma * sigma; 3];
+            written.as_chunks().0.iter().for_each(|value| sums.push_independent(*value, variances));
+        }
+        PointErrors::Each(_) => {
+            let points = written.as_chunks().0.iter();
+            points.for_each(|[x, y, z, variance]| sums.push_independent([*x, *y, *z], [*variance; 3]));
+        }
+        PointErrors::Axes(_) => {
+            let points = written.as_chunks().0.iter();
+            points.for_each(|[x, y, z, a, b, c]| sums.push_independent([*x, *y, *z], [*a, *b, *c]));
+        }
+        PointErrors::Covariances(_) => {
+            for [x, y, z, noise @ ..] in written.as_chunks::<9>().0 {
+                sums.push_covariant([*x, *y, *z], &SymmetricMatrix3(*noise));
+            }
+        }
+    }
+    *moments = sums;
+    rest
+}
