@@ -38,6 +38,8 @@ const FEWEST_POINTS: f64 = 20.0;
 pub(crate) struct Region {
     pub(crate) cells: Vec<u32>,
     pub(crate) fitted: Fitted,
+    /// Where it began.
+    pub(crate) seed: Seed,
 }
 
 /// How regions are grown.
@@ -62,27 +64,16 @@ pub(crate) struct Growth {
 pub(crate) fn grow(arounds: &mut Arounds, growth: Growth) -> Vec<Region> {
     let field = arounds.field();
     let mut seeds = Seeds::of(field, growth);
-    let mut growing = Growing {
-        field,
-        growth,
-        arounds,
-        owned: vec![false; field.cells.len()],
-        reached: field.levels.iter().map(|level| vec![0; level.len()]).collect(),
-        clock: 0,
-    };
+    let mut growing = Growing::of(arounds, growth);
     let mut regions: Vec<Region> = Vec::new();
     while let Some(seed) = seeds.next(|seed| growing.judge(seed)) {
-        if let Some(region) = growing.region(&seed) {
-            for cell in &region.cells {
-                growing.owned[*cell as usize] = true;
-            }
-            regions.push(region);
-        }
+        regions.extend(growing.region(seed));
     }
     regions
 }
 
-struct Growing<'a, 'f> {
+/// Regions on their way.
+pub(crate) struct Growing<'a, 'f> {
     field: &'f Field,
     growth: Growth,
     arounds: &'a mut Arounds<'f>,
@@ -93,7 +84,14 @@ struct Growing<'a, 'f> {
     clock: u32,
 }
 
-impl Growing<'_, '_> {
+impl<'a, 'f> Growing<'a, 'f> {
+    /// With all cells free.
+    pub(crate) fn of(arounds: &'a mut Arounds<'f>, growth: Growth) -> Self {
+        let field = arounds.field();
+        let reached = field.levels.iter().map(|level| vec![0; level.len()]).collect();
+        Self { field, growth, arounds, owned: vec![false; field.cells.len()], reached, clock: 0 }
+    }
+
     /// How sure the orientation at a seed is; `None` when it cannot begin a region, now or later.
     fn judge(&mut self, seed: &Seed) -> Option<f64> {
         let (level, group) = (&self.field.levels[seed.level], seed.group as usize);
@@ -106,14 +104,28 @@ impl Growing<'_, '_> {
         tilt.filter(|tilt| *tilt <= SEED_TILT)
     }
 
-    fn region(&mut self, seed: &Seed) -> Option<Region> {
+    /// Grows a region from the plane around its seed.
+    fn region(&mut self, seed: Seed) -> Option<Region> {
+        let plane = self.arounds.get(seed.level, seed.group as usize)?.plane;
+        self.settled(seed, plane, 0.0, 0)
+    }
+
+    /// Grows a region once more, from its own plane; `None` when others have most of its cells by now.
+    pub(crate) fn again(&mut self, region: &Region) -> Option<Region> {
+        let (plane, cells) = (region.fitted.plane, &region.cells);
+        if !self.is_free(cells.iter().copied()) {
+            return None;
+        }
+        self.settled(region.seed, plane, self.spread(cells, &plane), cells.len())
+    }
+
+    /// Grows and fits until the number of cells stays; they are of no other region then.
+    fn settled(&mut self, seed: Seed, mut plane: Flat, mut spread: f64, mut before: usize) -> Option<Region> {
         let field = self.field;
-        let mut plane = self.arounds.get(seed.level, seed.group as usize)?.plane;
-        let (mut before, mut spread) = (0, 0.0);
         let mut found: Option<Region> = None;
         let rounds = if self.growth.without == Some(Step::Refit) { 1 } else { ROUNDS };
         for _ in 0..rounds {
-            let cells = self.flood(seed, &plane, spread);
+            let cells = self.flood(&seed, &plane, spread);
             if cells.len() < FEWEST_CELLS {
                 return None;
             }
@@ -122,12 +134,16 @@ impl Growing<'_, '_> {
             spread = self.spread(&cells, &plane);
             let stays = cells.len() == before;
             before = cells.len();
-            found = Some(Region { cells, fitted });
+            found = Some(Region { cells, fitted, seed });
             if stays {
                 break;
             }
         }
-        found.filter(|region| region.fitted.points() >= FEWEST_POINTS)
+        let found = found.filter(|region| region.fitted.points() >= FEWEST_POINTS)?;
+        for cell in &found.cells {
+            self.owned[*cell as usize] = true;
+        }
+        Some(found)
     }
 
     fn is_free(&self, cells: impl Iterator<Item = u32>) -> bool {

@@ -67,6 +67,7 @@
 //! No cells, points in one place, on a line, or all over: no regions, and no error. [`RegionsError`] names the first cell,
 //! point or setting that contradicts the others. Nothing panics. At most 2³² − 1 cells and points.
 
+mod again;
 mod around;
 mod bend;
 mod cell;

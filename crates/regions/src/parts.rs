@@ -6,12 +6,17 @@ use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
+/// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
+/// on one lattice, and wider on another.
+const SOLID: f64 = 0.85;
 
 /// The pieces of one region, group by group of a level.
 struct Groups {
     /// In rising order.
-    groups: Vec<u32>,
+    numbers: Vec<u32>,
     points: Vec<u64>,
+    /// Whether nearly all points of a group are of the region.
+    solid: Vec<bool>,
 }
 
 /// Parts of one region, the largest first.
@@ -26,7 +31,8 @@ struct Parts {
 /// with the largest.
 ///
 /// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
-/// them are seen apart there, and points in rows with gaps between them are not.
+/// them are seen apart there, and points in rows with gaps between them are not. Groups that hold much else, at the borders of a part, are
+/// of the part they touch and lead to no other.
 pub(crate) fn take_apart(
     field: &Field,
     pieces: &[Piece],
@@ -42,10 +48,12 @@ pub(crate) fn take_apart(
     let mut from: Vec<u32> = Vec::new();
     let apart = field.levels.iter().find_map(|level| {
         let mut marks = vec![None; level.len()];
+        let all = |group: usize| level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
+        let held: Vec<f64> = (0..level.len()).map(all).collect();
         let found: Vec<(Groups, Parts)> = of_region
             .iter()
             .map(|of| {
-                let groups = Groups::of(level, of.iter().map(|at| &pieces[*at]));
+                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at]));
                 let parts = groups.parts(level, &mut marks);
                 (groups, parts)
             })
@@ -70,7 +78,7 @@ pub(crate) fn take_apart(
         let names: Vec<u32> = parts.points.iter().enumerate().map(number).collect();
         for at in of {
             let group = level.group(pieces[*at].cell as usize);
-            if let Ok(place) = groups.groups.binary_search(&group) {
+            if let Ok(place) = groups.numbers.binary_search(&group) {
                 numbers[*at] = names[parts.of[place]];
             }
         }
@@ -79,7 +87,8 @@ pub(crate) fn take_apart(
 }
 
 impl Groups {
-    fn of<'p>(level: &Level, pieces: impl Iterator<Item = &'p Piece>) -> Self {
+    /// `held` are the points of each group of the level, whatever they are of.
+    fn of<'p>(level: &Level, held: &[f64], pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let mut of: Vec<(u32, u64)> =
             pieces.map(|piece| (level.group(piece.cell as usize), u64::from(piece.points))).collect();
         of.sort_unstable_by_key(|(group, _)| *group);
@@ -88,28 +97,45 @@ impl Groups {
             first.1 += if same { next.1 } else { 0 };
             same
         });
-        let (groups, points) = of.into_iter().unzip();
-        Self { groups, points }
+        let solid =
+            of.iter().map(|(group, points)| *points as f64 >= SOLID * held[*group as usize]).collect();
+        let (numbers, points) = of.into_iter().unzip();
+        Self { numbers, points, solid }
     }
 
     /// `marks` holds nothing, before and after.
     fn parts(&self, level: &Level, marks: &mut [Option<u32>]) -> Parts {
-        for (place, group) in (0..).zip(&self.groups) {
+        for (place, group) in (0..).zip(&self.numbers) {
             marks[*group as usize] = Some(place);
         }
-        let mut points: Vec<u64> = Vec::new();
-        let mut of = vec![0; self.groups.len()];
-        for first in &self.groups {
-            let Some(start) = marks[*first as usize].take() else { continue };
-            let mut queue = vec![start];
-            let mut sum = 0;
-            while let Some(place) = queue.pop() {
-                of[place as usize] = points.len();
-                sum += self.points[place as usize];
-                let group = self.groups[place as usize] as usize;
-                queue.extend(level.near(group).iter().filter_map(|near| marks[*near as usize].take()));
+        let mut of: Vec<Option<usize>> = vec![None; self.numbers.len()];
+        let mut parts = 0;
+        let mut begin = |of: &mut [Option<usize>], start: usize| {
+            of[start] = Some(parts);
+            parts += 1;
+            vec![number(start)]
+        };
+        let mut reached: Vec<u32> = Vec::new();
+        for start in 0..of.len() {
+            if self.solid[start] && of[start].is_none() {
+                let first = begin(&mut of, start);
+                reached.extend(self.spread(level, marks, &mut of, first, |place| self.solid[place]));
             }
-            points.push(sum);
+        }
+        self.spread(level, marks, &mut of, reached, |_| true);
+        for start in 0..of.len() {
+            if of[start].is_none() {
+                let first = begin(&mut of, start);
+                self.spread(level, marks, &mut of, first, |_| true);
+            }
+        }
+        for group in &self.numbers {
+            marks[*group as usize] = None;
+        }
+        let of: Vec<usize> = of.into_iter().flatten().collect();
+        let mut points: Vec<u64> = vec![0; parts];
+        for (part, of_group) in of.iter().zip(&self.points) {
+            points[*part] += of_group;
         }
         // Stable: among equals the one that was found first.
         let mut ranks: Vec<usize> = (0..points.len()).collect();
@@ -123,6 +149,36 @@ impl Groups {
             points: ranks.into_iter().map(|part| points[part]).collect(),
         }
     }
+
+    /// Gives the groups that touch those of the queue, and may, the part of those, and so on; all that were reached.
+    fn spread(
+        &self,
+        level: &Level,
+        marks: &[Option<u32>],
+        of: &mut [Option<usize>],
+        mut queue: Vec<u32>,
+        may: impl Fn(usize) -> bool,
+    ) -> Vec<u32> {
+        let mut next = 0;
+        while let Some(place) = queue.get(next).copied() {
+            next += 1;
+            let part = of[place as usize];
+            for near in level.near(self.numbers[place as usize] as usize) {
+                let Some(place) = marks[*near as usize] else { continue };
+                if of[place as usize].is_none() && may(place as usize) {
+                    of[place as usize] = part;
+                    queue.push(place);
+                }
+            }
+        }
+        queue
+    }
+}
+
+/// Groups are numbered with 32 bits.
+#[allow(clippy::cast_possible_truncation)]
+fn number(place: usize) -> u32 {
+    place as u32
 }
 
 #[cfg(test)]
@@ -173,14 +229,17 @@ mod tests {
             let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = order.iter().map(|at| cells[*at as usize]).unzip();
             let coarse = Level::all(&sorted, level + 1).pop().unwrap();
             let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
-            let groups = Groups::of(&coarse, pieces.iter());
+            let held: Vec<f64> = (0..coarse.len())
+                .map(|group| coarse.cells(group).map(|cell| f64::from(points[cell as usize])).sum())
+                .collect();
+            let groups = Groups::of(&coarse, &held, pieces.iter());
             let mut marks = vec![None; coarse.len()];
             let parts = groups.parts(&coarse, &mut marks);
             prop_assert!(marks.iter().all(Option::is_none));
             prop_assert!(parts.points.is_sorted_by(|a, b| a >= b));
             let mut found: Vec<(u64, Vec<[i32; 3]>)> =
                 parts.points.iter().map(|points| (*points, Vec::new())).collect();
-            for (group, part) in groups.groups.iter().zip(&parts.of) {
+            for (group, part) in groups.numbers.iter().zip(&parts.of) {
                 let first = coarse.cells(*group as usize).start;
                 found[*part].1.push(keys[first as usize].map(|k| k >> level));
             }
@@ -190,5 +249,23 @@ mod tests {
             found.sort_unstable();
             prop_assert_eq!(found, brute_force(&keys, &points, level));
         }
+    }
+    #[test]
+    fn groups_that_hold_much_else_lead_to_no_other_part() {
+        // A row of nine cells, of which the fifth is half of something else, and a tenth apart.
+        let keys: Vec<[u32; 3]> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12].map(|x| [x, 0, 0]).to_vec();
+        let (keys, _) = along_curve(&keys.iter().map(|k| k.map(u32::cast_signed)).collect::<Vec<_>>());
+        let level = Level::all(&keys, 1).pop().unwrap();
+        let pieces: Vec<Piece> = (0..10).map(|cell| piece(cell, 10)).collect();
+        let parts_of = |held: [f64; 10]| {
+            let parts = Groups::of(&level, &held, pieces.iter()).parts(&level, &mut [None; 10]);
+            (parts.of, parts.points)
+        };
+        let mut held = [10.0; 10];
+        assert_eq!(parts_of(held), (vec![0, 0, 0, 0, 0, 0, 0, 0, 0, 1], vec![90, 10]));
+        held[4] = 20.0;
+        assert_eq!(parts_of(held), (vec![0, 0, 0, 0, 0, 1, 1, 1, 1, 2], vec![50, 40, 10]));
+        // Where no group is of the region alone, all that touches is one part.
+        assert_eq!(parts_of([20.0; 10]), (vec![0, 0, 0, 0, 0, 0, 0, 0, 0, 1], vec![90, 10]));
     }
 }

@@ -1,5 +1,6 @@
 //! From cells and points to planes and labels.
 
+use crate::again::{grow_again, is_sure};
 use crate::around::Arounds;
 use crate::bend::Bend;
 use crate::cell::Noise;
@@ -281,17 +282,20 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Nois
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
     let mut arounds = Arounds::of(field);
-    let mut grow =
-        |noise: Noise, spread: f64| grow(&mut arounds, Growth { noise, spread, without: settings.leave_out });
+    let growth = |noise: Noise, spread: f64| Growth { noise, spread, without: settings.leave_out };
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
-        let strict = grow(stated, 0.0);
+        let strict = grow(&mut arounds, growth(stated, 0.0));
         if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {
             return (strict, stated);
         }
     }
-    let scale = usual_chi_squared(&grow(stated, SPREAD)).clamp(1.0, MOST_SCALE);
+    let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
+    let mut first = grow(&mut arounds, growth(stated, SPREAD));
+    first.retain(|region| is_sure(field, stated, region, tilt));
+    let scale = usual_chi_squared(&first).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };
-    (grow(noise, SPREAD), noise)
+    let grown = grow(&mut arounds, growth(noise, SPREAD));
+    (grow_again(&mut arounds, growth(noise, SPREAD), grown, tilt), noise)
 }
 
 /// That of the region which has half of the points on smoother ones.

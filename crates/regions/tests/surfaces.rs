@@ -157,6 +157,25 @@ fn boards_in_line_are_two_regions_of_one_surface() {
     assert!(count(&scene, &found, 2, Some(1)) > 300);
 }
 
+/// A floor, and above it two faces in one plane with a groove between them, as wide as a cell: it may lie within one layer of cells, or in
+/// two that hold points of the faces as well.
+#[test]
+fn faces_beside_a_groove_are_two_regions_wherever_cells_lie() {
+    for step in 0..8 {
+        let mut scene = Scene::new(17, 0.1 * SIGMA);
+        let [x, y, z] = [0.7 + f64::from(step) * EDGE / 8.0, 0.017, 1.043];
+        let (width, depth) = (EDGE, 0.5 * EDGE);
+        scene.add(0, 60_000, rectangle(CORNER, [1.5, 0.0, 0.0], [0.0, 1.5, 0.0]));
+        scene.add(1, 6000, rectangle([x - 0.5, y, z], [0.5, 0.0, 0.0], [0.0, 0.3, 0.0]));
+        scene.add(2, 6000, rectangle([x + width, y, z], [0.5, 0.0, 0.0], [0.0, 0.3, 0.0]));
+        scene.add(3, 360, |u, v| [x + width * u, y + 0.3 * v, z - depth]);
+        let found = scene.cells(EDGE).segment();
+        let [_, one, other] = found.regions[..] else { panic!("step {step}: {:?}", found.regions) };
+        assert_eq!(one.surface, other.surface);
+        assert!((one.centroid[0] - other.centroid[0]).abs() > 0.5);
+    }
+}
+
 /// Rows with two empty cells between them, as the rings of a lidar are.
 #[test]
 fn rows_with_gaps_are_one_region() {
