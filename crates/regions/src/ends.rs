@@ -25,12 +25,29 @@ impl Ends {
     pub(crate) fn of(field: &Field, noise: Noise, region_of: &[Option<u32>], regions: &[Region]) -> Self {
         let level = &field.levels[COARSE];
         let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
+        // The regions of each group, by number.
+        let (mut of_groups, mut starts): (Vec<u32>, Vec<usize>) = (Vec::new(), vec![0]);
+        for group in 0..level.len() {
+            let first = of_groups.len();
+            for region in level.cells(group).filter_map(|cell| region_of[cell as usize]) {
+                if !of_groups[first..].contains(&region) {
+                    of_groups.push(region);
+                }
+            }
+            starts.push(of_groups.len());
+        }
+        let of_group = |group: usize| &of_groups[starts[group]..starts[group + 1]];
         let mut here: Vec<u32> = Vec::new();
         for group in 0..level.len() {
+            let [own, ..] = of_group(group) else { continue };
             here.clear();
-            here.extend(level.around(group).filter_map(|cell| region_of[cell as usize]));
-            here.sort_unstable();
-            here.dedup();
+            here.push(*own);
+            let around = std::iter::once(group).chain(level.near(group).iter().map(|near| *near as usize));
+            for region in around.flat_map(of_group) {
+                if !here.contains(region) {
+                    here.push(*region);
+                }
+            }
             if here.len() < 2 {
                 continue;
             }

@@ -140,10 +140,10 @@ pub struct Measure {
 impl Measure {
     /// Adds those of other points of the plane.
     pub fn add(&mut self, other: &Self) {
-        self.points = self.points.saturating_add(other.points);
-        self.squares = self.squares.saturating_add(other.squares);
+        self.points = self.points.wrapping_add(other.points);
+        self.squares = self.squares.wrapping_add(other.squares);
         for (sum, more) in self.sum.iter_mut().zip(other.sum) {
-            *sum = sum.saturating_add(more);
+            *sum = sum.wrapping_add(more);
         }
     }
 

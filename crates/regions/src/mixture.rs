@@ -14,6 +14,8 @@ use crate::{Settings, Step};
 const ROUNDS: usize = 4;
 /// Shares below this are none.
 const LEAST_SHARE: f64 = 1e-3;
+/// Shares of the points of a cell that change by less have settled.
+const SETTLED: f64 = 0.02;
 /// A region that keeps a smaller share of the points of its cells is explained by others.
 const OWN: f64 = 0.5;
 /// Cells that are handed to a thread at once.
@@ -44,6 +46,26 @@ pub(crate) struct OfCell {
     pub(crate) parts: Parts,
     /// Whether some point may be of two regions: their shares then matter.
     is_open: bool,
+}
+
+/// How a cell differs from what it was before.
+enum Difference {
+    None,
+    /// More of its points are of one region than before, by what matters.
+    Shares,
+    /// Its points are of other regions.
+    Regions,
+}
+
+impl OfCell {
+    fn differs(&self, before: &Self, points: f64) -> Difference {
+        let (now, before) = (self.parts.as_slice(), before.parts.as_slice());
+        if !now.iter().map(|part| part.region).eq(before.iter().map(|part| part.region)) {
+            return Difference::Regions;
+        }
+        let moved = |(now, before): (&Part, &Part)| (now.expected - before.expected).abs() > SETTLED * points;
+        if now.iter().zip(before).any(moved) { Difference::Shares } else { Difference::None }
+    }
 }
 
 /// By number of the region.
@@ -112,8 +134,8 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     /// maximisation), by a sample of the points of each cell. A region that keeps too few points of its own cells, or too few at all,
     /// is taken out on the way.
     ///
-    /// A cell is looked at again only where that can change something: some of its points may be of two regions, or the regions near it
-    /// are others than before.
+    /// A cell is looked at again only where that can change something: the regions near it are others than before, or some of its points
+    /// may be of two regions, and the shares around have changed.
     pub(crate) fn solve(&self, regions: &[Region]) -> (Vec<OfCell>, Vec<Option<Candidate>>) {
         let cells = self.field.cells.len();
         let mut candidates: Vec<Option<Candidate>> =
@@ -150,9 +172,10 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                 .collect();
             again.fill(false);
             for (cell, now) in todo.iter().zip(found) {
-                again[*cell] |= now.is_open;
-                if !now.parts.regions().eq(of_cells[*cell].parts.regions()) {
-                    self.mark_around(*cell, &mut again);
+                match now.differs(&of_cells[*cell], self.field.cells[*cell].points) {
+                    Difference::Regions => self.mark_around(*cell, &mut again, |_| true),
+                    Difference::Shares => self.mark_around(*cell, &mut again, |near| of_cells[near].is_open),
+                    Difference::None => {}
                 }
                 of_cells[*cell] = now;
             }
@@ -162,7 +185,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     let left = |region: u32| candidates[region as usize].is_some();
                     if !of_cells[cell].parts.regions().all(left) {
                         of_cells[cell].parts.retain(left);
-                        self.mark_around(cell, &mut again);
+                        self.mark_around(cell, &mut again, |_| true);
                     }
                     again[cell] |= !of_cells[cell].nearby.regions().iter().all(|near| left(near.region));
                 }
@@ -171,10 +194,10 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         (of_cells, candidates)
     }
 
-    fn mark_around(&self, cell: usize, marks: &mut [bool]) {
+    fn mark_around(&self, cell: usize, marks: &mut [bool], is_meant: impl Fn(usize) -> bool) {
         marks[cell] = true;
         for near in self.field.levels[0].near(cell) {
-            marks[*near as usize] = true;
+            marks[*near as usize] |= is_meant(*near as usize);
         }
     }
 
@@ -212,12 +235,18 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     ) -> Nearby {
         shares.clear();
         let around =
-            std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
-        for part in around.flat_map(|near| before[near].parts.as_slice()) {
-            match shares.iter_mut().find(|(known, _)| *known == part.region) {
-                Some((_, sum)) => *sum += part.expected,
-                None => shares.push((part.region, part.expected)),
-            }
+            || std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
+        // Nearly all cells have points of one region around them, whose share then does not matter.
+        let mut only: Option<u32> = None;
+        let alone = around().all(|near| match &before[near].parts {
+            Parts::None => true,
+            Parts::One(part) => *only.get_or_insert(part.region) == part.region,
+            Parts::Several(_) => false,
+        });
+        if alone {
+            shares.extend(only.map(|region| (region, 1.0)));
+        } else {
+            self.add_shares(around(), before, shares);
         }
         let plane = |region: u32| candidates[region as usize].as_ref();
         shares.retain(|(region, _)| plane(*region).is_some());
@@ -258,6 +287,21 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     several.near.push(near);
                 }
                 Nearby::Several(Box::new(several))
+            }
+        }
+    }
+
+    /// How many points around a cell are expected to be of each region.
+    fn add_shares(
+        &self,
+        around: impl Iterator<Item = usize>,
+        before: &[OfCell],
+        shares: &mut Vec<(u32, f64)>,
+    ) {
+        for part in around.flat_map(|near| before[near].parts.as_slice()) {
+            match shares.iter_mut().find(|(known, _)| *known == part.region) {
+                Some((_, sum)) => *sum += part.expected,
+                None => shares.push((part.region, part.expected)),
             }
         }
     }

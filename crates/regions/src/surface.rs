@@ -1,7 +1,5 @@
 //! What the labelled points of a region look like: area and bend.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
 use crate::bend::{Bend, Column};
@@ -32,17 +30,27 @@ impl Surface {
     pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let normal = fitted.plane.normal;
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
-        let mut columns: BTreeMap<[i32; 2], Sum> = BTreeMap::new();
-        let (mut all, mut squares) = (0, 0.0);
-        for piece in pieces {
+        let pieces: Vec<&Piece> = pieces.collect();
+        let column_of = |piece: &Piece| {
             let key = field.keys[piece.cell as usize];
-            let anchor = field.cells[piece.cell as usize].anchor - fitted.plane.point;
-            let points = f64::from(piece.points);
-            let column = columns.entry([key[(axis + 1) % 3], key[(axis + 2) % 3]]).or_default();
-            column.points += points;
-            column.place += piece.sum + anchor * points;
-            all += u64::from(piece.points);
-            squares += piece.squares;
+            [key[(axis + 1) % 3], key[(axis + 2) % 3]]
+        };
+        let mut order: Vec<([i32; 2], usize)> =
+            pieces.iter().enumerate().map(|(at, piece)| (column_of(piece), at)).collect();
+        order.sort_unstable();
+        let (mut all, mut squares) = (0, 0.0);
+        let mut columns: Vec<Sum> = Vec::new();
+        for of_column in order.chunk_by(|a, b| a.0 == b.0) {
+            let mut column = Sum::default();
+            for piece in of_column.iter().map(|(_, at)| pieces[*at]) {
+                let anchor = field.cells[piece.cell as usize].anchor - fitted.plane.point;
+                let points = f64::from(piece.points);
+                column.points += points;
+                column.place += piece.sum + anchor * points;
+                all += u64::from(piece.points);
+                squares += piece.squares;
+            }
+            columns.push(column);
         }
         let area = columns.len() as f64 * field.edge * field.edge / normal[axis].abs();
         let [u, v] = fitted.fit.axes.map(DVec3::from);
@@ -50,9 +58,9 @@ impl Surface {
             let mean = sum.place / sum.points;
             Column { points: sum.points, place: [mean.dot(u), mean.dot(v)], height: mean.dot(normal) }
         };
-        let off: DVec3 = columns.values().map(|column| column.place).sum();
+        let off: DVec3 = columns.iter().map(|column| column.place).sum();
         Self {
-            columns: columns.values().map(column).collect(),
+            columns: columns.iter().map(column).collect(),
             points: all,
             centroid: fitted.plane.point + off / all as f64,
             rms: (squares / all as f64).sqrt(),
