@@ -3,6 +3,7 @@
 use terrace_stats::Moments;
 
 use crate::block::{BlockKey, PARTS, part_of, place_of};
+use crate::bulk::Scratch;
 use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
 use crate::key::Lattice;
@@ -23,6 +24,7 @@ pub struct VoxelGrid {
     pub(crate) homes: Vec<Home>,
     /// The block of the last point: scans come in order, so the next point is often there too.
     last: Option<(BlockKey, u32, u32)>,
+    pub(crate) scratch: Scratch,
 }
 
 /// Where a cell is kept: its part, and its slot there.
@@ -53,7 +55,14 @@ impl VoxelGrid {
     }
 
     pub(crate) fn of_lattice(lattice: Lattice, assignment: Assignment) -> Self {
-        Self { lattice, assignment, parts: vec![Part::default(); PARTS], homes: Vec::new(), last: None }
+        Self {
+            lattice,
+            assignment,
+            parts: vec![Part::default(); PARTS],
+            homes: Vec::new(),
+            last: None,
+            scratch: Scratch::default(),
+        }
     }
 
     /// Edge of a cell in metres.

@@ -41,6 +41,12 @@ impl Owned {
     }
 }
 
+/// To the power of two below 2⁻²² of an edge: without the bits that single precision has no room for.
+fn rounded(x: f64, size: f64) -> f32 {
+    let unit = size.log2().floor().exp2() * (-22_f64).exp2();
+    ((x / unit).round_ties_even() * unit) as f32
+}
+
 /// All that comes of an insertion.
 #[derive(Debug, Clone, PartialEq)]
 struct Outcome {
@@ -83,7 +89,11 @@ fn one_by_one(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned) 
             }
         }
         let centre = cell.ok().and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
-        places.push(centre.map_or([0.0; 3], |centre| [0, 1, 2].map(|i| (point[i] - centre[i]) as f32)));
+        places.push(
+            centre.map_or([0.0; 3], |centre| {
+                [0, 1, 2].map(|i| rounded(point[i] - centre[i], grid.cell_size()))
+            }),
+        );
         cells.push(cell.ok());
     }
     Outcome { cells, places, taken, sums: sums(&grid) }
@@ -291,7 +301,7 @@ proptest! {
         for (point, (cell, place)) in points.iter().zip(found.iter().zip(&found_places)) {
             let Some(cell) = cell.and_then(|cell| grid.get(cell)) else { continue };
             let anchor = cell.anchor();
-            prop_assert!((0..3).all(|i| (point[i] - anchor[i]) as f32 == place[i]));
+            prop_assert!((0..3).all(|i| rounded(point[i] - anchor[i], grid.cell_size()).to_bits() == place[i].to_bits()));
         }
     }
 

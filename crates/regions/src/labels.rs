@@ -249,7 +249,7 @@ impl Labeller {
                     if is_near {
                         run.of_one.push(place, self.units);
                         if run.of_one.points % LONGEST == 0 {
-                            run.of_one.flush(near.region, &mut measures);
+                            run.of_one.flush(near.region, self.units, &mut measures);
                         }
                     }
                     label(is_near.then_some(near.region));
@@ -260,7 +260,7 @@ impl Labeller {
                     if let Some(region) = region {
                         let mut alone = self.begin(cell, region);
                         alone.push(place, self.units);
-                        alone.flush(region, &mut measures);
+                        alone.flush(region, self.units, &mut measures);
                     }
                     label(region);
                 }
@@ -282,7 +282,7 @@ impl Labeller {
 
     fn end(&self, run: &mut Run, measures: &mut [Measure]) {
         if let Seen::One(near) = run.seen {
-            run.of_one.flush(near.region, measures);
+            run.of_one.flush(near.region, self.units, measures);
         }
     }
 }
@@ -320,18 +320,19 @@ impl OfRun {
         let distance = self.normal.dot(place) + self.offset;
         let whole = |x: f64| (x + ROUNDING) - ROUNDING;
         self.points += 1;
-        self.sum += (place * (1.0 / units.length)).map(whole);
+        self.sum += place;
         self.squares += whole(distance * distance * (1.0 / units.square));
     }
 
     /// Hands the sums on, and begins anew.
     #[inline]
-    fn flush(&mut self, region: u32, measures: &mut [Measure]) {
+    fn flush(&mut self, region: u32, units: Units, measures: &mut [Measure]) {
         if let Some(measure) = measures.get_mut(region as usize) {
             // Whole numbers already, of no more than 53 bits.
             #[allow(clippy::cast_possible_truncation)]
             let whole = |x: f64| i128::from(x as i64);
-            let sum = self.sum.to_array().map(whole);
+            // Places that are whole numbers of a unit have such sums.
+            let sum = (self.sum * (1.0 / units.length)).to_array().map(whole);
             // Fewer than 64 bits and those of a small number: no overflow.
             let sum = [0, 1, 2].map(|i| i128::from(self.from[i]) * i128::from(self.points) + sum[i]);
             measure.add(&Measure { points: self.points, sum, squares: whole(self.squares) });

@@ -62,10 +62,15 @@ impl Samples {
         let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
         self.stripes.par_chunks_mut(share).enumerate().for_each(|(number, stripes)| {
             let first = number * share;
+            let (stripe, at) = home(0);
+            let mut last = (0, stripe, at);
             for (cell, place) in points.clone() {
-                let (stripe, at) = home(cell);
-                if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
-                    stripe.push(at, place);
+                if cell != last.0 {
+                    let (stripe, at) = home(cell);
+                    last = (cell, stripe, at);
+                }
+                if let Some(stripe) = stripes.get_mut(last.1.wrapping_sub(first)) {
+                    stripe.push(last.2, place);
                 }
             }
         });
@@ -151,11 +156,11 @@ impl Kept {
 /// A number that looks drawn at random, and is the same for the same place.
 #[inline]
 fn scrambled([x, y, z]: [f32; 3]) -> u32 {
-    let mix = u64::from(x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        ^ u64::from(y.to_bits()).wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(23)
-        ^ u64::from(z.to_bits()).wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(41);
-    // The upper half.
-    (((mix ^ mix >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)) >> 32) as u32
+    let mix = x.to_bits().wrapping_mul(0x9e37_79b9)
+        ^ y.to_bits().wrapping_mul(0x85eb_ca6b).rotate_left(11)
+        ^ z.to_bits().wrapping_mul(0xc2b2_ae35).rotate_left(22);
+    let mix = (mix ^ mix >> 15).wrapping_mul(0x2c1b_3c6d);
+    mix ^ mix >> 16
 }
 
 #[cfg(test)]

@@ -50,6 +50,27 @@ impl Moments {
         self.push_independent(v.value, v.variance());
     }
 
+    /// Adds vectors one after the other, each as [`push_independent`](Self::push_independent) does: the sums stay in registers.
+    #[inline]
+    pub fn extend_independent(&mut self, vectors: impl Iterator<Item = ([f64; 3], [f64; 3])>) {
+        let (mut count, mut sum, mut second) = (0_u64, self.sum, self.second.0);
+        let [mut a, xy, xz, mut b, yz, mut c] = self.noise.0;
+        for ([x, y, z], [va, vb, vc]) in vectors {
+            count += 1;
+            for (sum, value) in sum.iter_mut().zip([x, y, z]) {
+                *sum += value;
+            }
+            for (sum, product) in second.iter_mut().zip([x * x, x * y, x * z, y * y, y * z, z * z]) {
+                *sum += product;
+            }
+            (a, b, c) = (a + va, b + vb, c + vc);
+        }
+        self.count = self.count.saturating_add(count);
+        self.weight += count as f64;
+        (self.sum, self.second) = (sum, SymmetricMatrix3(second));
+        self.noise = SymmetricMatrix3([a, xy, xz, b, yz, c]);
+    }
+
     /// Adds a vector with weight 1 whose error has any covariance: that of a measurement along a ray, say.
     #[inline]
     pub fn push_covariant(&mut self, value: [f64; 3], covariance: &SymmetricMatrix3) {

@@ -39,6 +39,7 @@ impl Located {
 
     #[inline]
     fn located<const HALVES: bool>(&mut self, points: &[[f64; 3]], size: f64) -> bool {
+        let (unit, per_unit) = unit_of(size);
         let keys = self.keys.as_flattened_mut().iter_mut();
         let places = self.places.as_flattened_mut().iter_mut();
         let mut inside = true;
@@ -52,18 +53,33 @@ impl Located {
             *key = index.cast_signed();
             let anchor =
                 if HALVES { (self::floor(0.5 * floor) + 0.5) * (2.0 * size) } else { (floor + 0.5) * size };
-            // A thousandth of a per mille of a cell is enough.
+            // Whole numbers of a unit, so that sums of places are exact, whatever their order.
             #[allow(clippy::cast_possible_truncation)]
-            let rounded = (x - anchor) as f32;
+            let rounded = (whole((x - anchor) * per_unit) * unit) as f32;
             *place = rounded;
         }
         inside
     }
 }
 
+/// What places are rounded to, in metres, and its inverse: a power of two, less than a millionth of a cell, of which single precision
+/// holds every multiple within twice a cell.
+pub(super) fn unit_of(size: f64) -> (f64, f64) {
+    // The exponent bits alone are the power of two below.
+    let below = f64::from_bits(size.to_bits() & (0x7ff << 52));
+    let unit = below * (-22_f64).exp2();
+    (unit, 1.0 / unit)
+}
+
+/// The integer nearest to a number, for numbers up to 2⁵¹.
+#[inline]
+fn whole(x: f64) -> f64 {
+    (x + ROUNDING) - ROUNDING
+}
+
 /// The largest integer up to a number, for numbers up to 2⁵¹.
 #[inline]
 fn floor(x: f64) -> f64 {
-    let nearest = (x + ROUNDING) - ROUNDING;
+    let nearest = whole(x);
     nearest - if nearest > x { 1.0 } else { 0.0 }
 }

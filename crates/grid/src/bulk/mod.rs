@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use self::add::Share;
 pub use self::errors::PointErrors;
+use self::locate::unit_of;
 use self::runs::{Found, SECTION, Section};
 use crate::block::PARTS;
 use crate::cell::CellId;
@@ -81,7 +82,7 @@ impl VoxelGrid {
             places.reserve(points.len());
         }
         let mut taken = Taken::default();
-        let mut sections = Vec::new();
+        let mut sections = std::mem::take(&mut self.scratch.0);
         for (chunk, points) in points.chunks(CHUNK).enumerate() {
             let begin = chunk * CHUNK;
             let chunk = Chunk { points, errors: errors.part(begin..begin + points.len()) };
@@ -95,6 +96,7 @@ impl VoxelGrid {
                 self.insert_each(&chunk, cells, places)
             });
         }
+        self.scratch.0 = sections;
         Ok(taken)
     }
 
@@ -118,9 +120,11 @@ impl VoxelGrid {
                     *of_point = Some(cell);
                     if let (Some(places), Some(cell)) = (&mut places, self.get(cell)) {
                         let anchor = cell.anchor();
-                        // A thousandth of a per mille of a cell is enough.
+                        let (unit, per_unit) = unit_of(self.lattice.size);
+                        // As `Located` rounds them.
                         #[allow(clippy::cast_possible_truncation)]
-                        let place = [0, 1, 2].map(|i| (point[i] - anchor[i]) as f32);
+                        let place = [0, 1, 2]
+                            .map(|i| (((point[i] - anchor[i]) * per_unit).round_ties_even() * unit) as f32);
                         places[at] = place;
                     }
                 }
@@ -221,6 +225,16 @@ fn extend<T: Copy + Send + Sync>(list: &mut Vec<T>, value: T, times: usize) -> &
     let first = list.len();
     list.par_extend(rayon::iter::repeat_n(value, times));
     &mut list[first..]
+}
+
+/// Memory that insertions use one after the other. A copy of a grid begins with none.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch(Vec<Section>);
+
+impl Clone for Scratch {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// Points that go through the steps together.

@@ -50,30 +50,30 @@ pub(super) fn add<'n>(
     from: &'n [f64],
 ) -> &'n [f64] {
     let (written, rest) = from.split_at(points * width(errors));
-    // A copy that stays in registers.
-    let mut sums = *moments;
     match errors {
         PointErrors::None => {
-            written.as_chunks().0.iter().for_each(|value| sums.push_independent(*value, [0.0; 3]));
+            moments.extend_independent(written.as_chunks().0.iter().map(|value| (*value, [0.0; 3])));
         }
         PointErrors::Same(sigma) => {
             let variances = [sigma * sigma; 3];
-            written.as_chunks().0.iter().for_each(|value| sums.push_independent(*value, variances));
+            moments.extend_independent(written.as_chunks().0.iter().map(|value| (*value, variances)));
         }
         PointErrors::Each(_) => {
             let points = written.as_chunks().0.iter();
-            points.for_each(|[x, y, z, variance]| sums.push_independent([*x, *y, *z], [*variance; 3]));
+            moments.extend_independent(points.map(|[x, y, z, variance]| ([*x, *y, *z], [*variance; 3])));
         }
         PointErrors::Axes(_) => {
             let points = written.as_chunks().0.iter();
-            points.for_each(|[x, y, z, a, b, c]| sums.push_independent([*x, *y, *z], [*a, *b, *c]));
+            moments.extend_independent(points.map(|[x, y, z, a, b, c]| ([*x, *y, *z], [*a, *b, *c])));
         }
         PointErrors::Covariances(_) => {
+            // A copy that stays in registers.
+            let mut sums = *moments;
             for [x, y, z, noise @ ..] in written.as_chunks::<9>().0 {
                 sums.push_covariant([*x, *y, *z], &SymmetricMatrix3(*noise));
             }
+            *moments = sums;
         }
     }
-    *moments = sums;
     rest
 }
