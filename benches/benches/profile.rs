@@ -7,6 +7,7 @@
 
 use std::error::Error;
 use std::hint::black_box;
+use std::num::NonZeroU32;
 
 use terrace::choose_cell_size;
 use terrace_benches::Usage;
@@ -96,11 +97,11 @@ fn profile(points: usize) -> Outcome<()> {
         let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
         let found = find(&fine, grid.cell_size(), cells.len() as u64, of_cell, &Settings::default())?;
         done(&mut best)?;
-        let mut labels: Vec<Option<u32>> = Vec::with_capacity(cells.len());
-        let known = cells.iter().zip(&places);
-        let known =
-            known.map(|(cell, place)| (cell.and_then(|cell| u32::try_from(cell.index()).ok()), *place));
-        black_box(found.labeller.label_all(known, |label| labels.push(label)));
+        let mut labels: Vec<Option<NonZeroU32>> = vec![None; cells.len()];
+        let cell = |at: usize| cells[at].and_then(|cell| u32::try_from(cell.index()).ok());
+        black_box(found.labeller.label_all(cell, &places, |at, label| {
+            labels[at] = label.and_then(|label| NonZeroU32::new(label + 1));
+        }));
         black_box(&labels);
         done(&mut best)?;
         (planes, occupied) = (found.regions.len(), fine.len());

@@ -22,9 +22,8 @@ pub(crate) fn samples_of(points: Points) -> Samples {
 pub(crate) fn by_points(mut found: Found, points: Points) -> Segmentation {
     let labelled =
         points.cells.par_chunks(AT_ONCE).zip(points.places.par_chunks(AT_ONCE)).map(|(cells, places)| {
-            let mut labels = Vec::with_capacity(cells.len());
-            let of_points = cells.iter().copied().zip(places.iter().copied());
-            let measures = found.labeller.label_all(of_points, |label| labels.push(label));
+            let mut labels = vec![None; cells.len()];
+            let measures = found.labeller.label_all(|at| cells[at], places, |at, label| labels[at] = label);
             (labels, measures)
         });
     let labelled: Vec<(Vec<Option<u32>>, Vec<Measure>)> = labelled.collect();

@@ -226,47 +226,46 @@ impl Labeller {
     }
 
     /// Labels points one after the other, as [`label`](Self::label) does, and measures them: what is given back has a place for each
-    /// plane. Fastest where points of the same cell follow each other.
+    /// plane. `cells` tells the cell of the point at a place of the list. Fastest where points of the same cell follow each other.
     pub fn label_all(
         &self,
-        points: impl IntoIterator<Item = (Option<u32>, [f32; 3])>,
-        mut label: impl FnMut(Option<u32>),
+        cells: impl Fn(usize) -> Option<u32>,
+        places: &[[f32; 3]],
+        mut label: impl FnMut(usize, Option<u32>),
     ) -> Vec<Measure> {
         let mut measures = vec![Measure::default(); self.planes.len()];
-        let mut run = Run { cell: None, seen: &Seen::None, of_one: OfRun::default() };
-        for (cell, place) in points {
-            if cell != run.cell {
-                self.end(&mut run, &mut measures);
-                let seen = cell.and_then(|cell| self.cells.get(cell as usize)).unwrap_or(&Seen::None);
-                let of_one =
-                    if let Seen::One(near) = seen { self.begin(cell, near.region) } else { OfRun::default() };
-                run = Run { cell, seen, of_one };
-            }
-            match run.seen {
-                Seen::None => label(None),
+        let mut first = 0;
+        while first < places.len() {
+            let cell = cells(first);
+            let most = places.len().min(first + LONGEST);
+            let end = (first + 1..most).find(|at| cells(*at) != cell).unwrap_or(most);
+            let run = first..end;
+            first = end;
+            match cell.and_then(|cell| self.cells.get(cell as usize)).unwrap_or(&Seen::None) {
+                Seen::None => run.for_each(|at| label(at, None)),
                 Seen::One(near) => {
-                    let is_near = near.errors(place, self.reach).is_some();
-                    if is_near {
-                        run.of_one.push(place, self.units);
-                        if run.of_one.points % LONGEST == 0 {
-                            run.of_one.flush(near.region, self.units, &mut measures);
-                        }
+                    let mut of_run = self.begin(cell, near.region);
+                    for (at, place) in run.clone().zip(&places[run]) {
+                        let is_near = near.errors(*place, self.reach).is_some();
+                        of_run.push(*place, is_near, self.units);
+                        label(at, is_near.then_some(near.region));
                     }
-                    label(is_near.then_some(near.region));
+                    of_run.add_to(near.region, self.units, &mut measures);
                 }
                 Seen::Several(several) => {
                     let (several, numbers) = &**several;
-                    let region = several.best(place, self.reach).and_then(|at| *numbers.get(at)?);
-                    if let Some(region) = region {
-                        let mut alone = self.begin(cell, region);
-                        alone.push(place, self.units);
-                        alone.flush(region, self.units, &mut measures);
+                    for (at, place) in run.clone().zip(&places[run]) {
+                        let region = several.best(*place, self.reach).and_then(|at| *numbers.get(at)?);
+                        if let Some(region) = region {
+                            let mut alone = self.begin(cell, region);
+                            alone.push(*place, true, self.units);
+                            alone.add_to(region, self.units, &mut measures);
+                        }
+                        label(at, region);
                     }
-                    label(region);
                 }
             }
         }
-        self.end(&mut run, &mut measures);
         measures
     }
 
@@ -279,19 +278,6 @@ impl Labeller {
         let from = cell.and_then(|cell| self.from.get(cell as usize)).copied().unwrap_or_default();
         OfRun { normal: plane.normal, offset: plane.distance(*anchor), from, ..OfRun::default() }
     }
-
-    fn end(&self, run: &mut Run, measures: &mut [Measure]) {
-        if let Seen::One(near) = run.seen {
-            run.of_one.flush(near.region, self.units, measures);
-        }
-    }
-}
-
-/// Consecutive points of a cell.
-struct Run<'l> {
-    cell: Option<u32>,
-    seen: &'l Seen,
-    of_one: OfRun,
 }
 
 /// Points of one plane in a cell.
@@ -309,34 +295,32 @@ struct OfRun {
 }
 
 /// After so many points at most sums go to their plane: so far they are exact.
-const LONGEST: u64 = 128;
+const LONGEST: usize = 128;
 /// Added and taken away, it rounds smaller numbers to integers.
 const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
 
 impl OfRun {
+    /// Adds a point, if it counts: without a branch, for most do.
     #[inline]
-    fn push(&mut self, place: [f32; 3], units: Units) {
-        let place = DVec3::from(place.map(f64::from));
+    fn push(&mut self, place: [f32; 3], counts: bool, units: Units) {
+        let place = if counts { DVec3::from(place.map(f64::from)) } else { DVec3::ZERO };
         let distance = self.normal.dot(place) + self.offset;
-        let whole = |x: f64| (x + ROUNDING) - ROUNDING;
-        self.points += 1;
+        let square = (distance * distance * (1.0 / units.square) + ROUNDING) - ROUNDING;
+        self.points += u64::from(counts);
         self.sum += place;
-        self.squares += whole(distance * distance * (1.0 / units.square));
+        self.squares += if counts { square } else { 0.0 };
     }
 
-    /// Hands the sums on, and begins anew.
     #[inline]
-    fn flush(&mut self, region: u32, units: Units, measures: &mut [Measure]) {
-        if let Some(measure) = measures.get_mut(region as usize) {
-            // Whole numbers already, of no more than 53 bits.
-            #[allow(clippy::cast_possible_truncation)]
-            let whole = |x: f64| i128::from(x as i64);
-            // Places that are whole numbers of a unit have such sums.
-            let sum = (self.sum * (1.0 / units.length)).to_array().map(whole);
-            // Fewer than 64 bits and those of a small number: no overflow.
-            let sum = [0, 1, 2].map(|i| i128::from(self.from[i]) * i128::from(self.points) + sum[i]);
-            measure.add(&Measure { points: self.points, sum, squares: whole(self.squares) });
-        }
-        (self.points, self.sum, self.squares) = (0, DVec3::ZERO, 0.0);
+    fn add_to(&self, region: u32, units: Units, measures: &mut [Measure]) {
+        let Some(measure) = measures.get_mut(region as usize) else { return };
+        // Whole numbers already, of no more than 53 bits.
+        #[allow(clippy::cast_possible_truncation)]
+        let whole = |x: f64| i128::from(x as i64);
+        // Places that are whole numbers of a unit have such sums.
+        let sum = (self.sum * (1.0 / units.length)).to_array().map(whole);
+        // Fewer than 64 bits and those of a small number: no overflow.
+        let sum = [0, 1, 2].map(|i| i128::from(self.from[i]) * i128::from(self.points) + sum[i]);
+        measure.add(&Measure { points: self.points, sum, squares: whole(self.squares) });
     }
 }

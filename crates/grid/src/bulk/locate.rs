@@ -1,7 +1,8 @@
 //! The voxels of many points.
 
-use crate::key::Lattice;
-use crate::{MAX_INDEX, VoxelKey};
+use super::{PointErrors, Taken};
+use crate::key::{Lattice, key_of};
+use crate::{GridError, MAX_INDEX, VoxelKey};
 
 /// Points whose voxels are found at once: their lists stay in the nearest cache.
 pub(super) const BATCH: usize = 128;
@@ -59,6 +60,28 @@ impl Located {
             *place = rounded;
         }
         inside
+    }
+
+    /// Takes out the points that cannot be inserted.
+    #[cold]
+    pub(super) fn refuse(
+        &mut self,
+        points: &[[f64; 3]],
+        errors: &PointErrors<'_>,
+        lattice: Lattice,
+        taken: &mut Taken,
+    ) {
+        for (at, point) in points.iter().enumerate() {
+            let refusal = match key_of(*point, lattice.size) {
+                Err(absent @ GridError::PointNotFinite { .. }) => Some(absent),
+                key => errors.refusal(at).or(key.err()),
+            };
+            if let Some(refusal) = refusal {
+                self.keys[at] = NOWHERE;
+                self.places[at] = [0.0; 3];
+                taken.refuse(refusal);
+            }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Many points at once.
 
 mod add;
+mod direct;
 mod errors;
 mod find;
 mod locate;
@@ -90,7 +91,10 @@ impl VoxelGrid {
             let places = places.as_mut().map(|places| extend(places, [0.0; 3], points.len()));
             // Where cells may run out, the first points get them, as one by one.
             let room = self.len() + points.len() <= MOST_CELLS;
-            taken.add(&if self.assignment == Assignment::Voxel && room {
+            let by_voxel = self.assignment == Assignment::Voxel && room;
+            taken.add(&if by_voxel && rayon::current_num_threads() == 1 && self.are_in_order(points) {
+                self.insert_in_order(&chunk, cells, places)
+            } else if by_voxel {
                 self.insert_chunk(&chunk, &mut sections, cells, places)
             } else {
                 self.insert_each(&chunk, cells, places)

@@ -77,3 +77,37 @@ pub(super) fn add<'n>(
     }
     rest
 }
+
+/// Adds points as they are, with the same bits.
+#[inline]
+pub(super) fn add_points(
+    moments: &mut Moments,
+    points: &[[f64; 3]],
+    anchor: [f64; 3],
+    errors: &PointErrors<'_>,
+) {
+    let local = |point: &[f64; 3]| [0, 1, 2].map(|i| point[i] - anchor[i]);
+    let squared = |sigma: f64| sigma * sigma;
+    match errors {
+        PointErrors::None => moments.extend_independent(points.iter().map(|point| (local(point), [0.0; 3]))),
+        PointErrors::Same(sigma) => {
+            let variances = [squared(*sigma); 3];
+            moments.extend_independent(points.iter().map(|point| (local(point), variances)));
+        }
+        PointErrors::Each(sigmas) => {
+            let vectors = points.iter().zip(*sigmas);
+            moments.extend_independent(vectors.map(|(point, sigma)| (local(point), [squared(*sigma); 3])));
+        }
+        PointErrors::Axes(sigmas) => {
+            let vectors = points.iter().zip(*sigmas);
+            moments.extend_independent(vectors.map(|(point, sigma)| (local(point), sigma.map(squared))));
+        }
+        PointErrors::Covariances(all) => {
+            let mut sums = *moments;
+            for (point, covariance) in points.iter().zip(*all) {
+                sums.push_covariant(local(point), &SymmetricMatrix3(*covariance));
+            }
+            *moments = sums;
+        }
+    }
+}

@@ -73,7 +73,7 @@ impl Section {
             let errors = errors.part(begin..begin + points.len());
             let inside = located.locate(points, lattice);
             if !(inside && errors.are_valid()) {
-                self.refuse(&mut located, points, &errors, lattice);
+                located.refuse(points, &errors, lattice, &mut self.taken);
             }
             if let Some(places) = places.as_mut().and_then(Iterator::next) {
                 places.copy_from_slice(&located.places[..points.len()]);
@@ -87,28 +87,6 @@ impl Section {
         }
         open.close(points.len(), found);
         self.sort(found, points, errors, lattice);
-    }
-
-    /// Takes the points that cannot be inserted out of those located.
-    #[cold]
-    fn refuse(
-        &mut self,
-        located: &mut Located,
-        points: &[[f64; 3]],
-        errors: &PointErrors<'_>,
-        lattice: Lattice,
-    ) {
-        for (at, point) in points.iter().enumerate() {
-            let refusal = match key_of(*point, lattice.size) {
-                Err(absent @ GridError::PointNotFinite { .. }) => Some(absent),
-                key => errors.refusal(at).or(key.err()),
-            };
-            if let Some(refusal) = refusal {
-                located.keys[at] = NOWHERE;
-                located.places[at] = [0.0; 3];
-                self.taken.refuse(refusal);
-            }
-        }
     }
 
     /// Puts the runs in the order of their parts, and what they add beside them: each part then reads on end.

@@ -152,14 +152,9 @@ impl<'m> Grown<'m> {
             cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
         let of_parts: Vec<Vec<Measure>> = parts
             .map(|((cells, places), labels)| {
-                let points = cells.iter().zip(places);
-                let points =
-                    points.map(|(cell, place)| (cell.and_then(|cell| self.fine.place(cell)), *place));
-                let mut labels = labels.iter_mut();
-                self.found.labeller.label_all(points, |found| {
-                    if let Some(label) = labels.next() {
-                        *label = found.and_then(|found| PlaneId::from_index(found as usize));
-                    }
+                let cell = |at: usize| cells[at].and_then(|cell| self.fine.place(cell));
+                self.found.labeller.label_all(cell, places, |at, found| {
+                    labels[at] = found.and_then(|found| PlaneId::from_index(found as usize));
                 })
             })
             .collect();
