@@ -34,6 +34,13 @@ pub(crate) struct Home {
     pub(crate) slot: u32,
 }
 
+/// A number that rises with keys, and is faster to compare.
+#[inline]
+fn in_order(key: VoxelKey) -> u128 {
+    let [x, y, z] = key.map(|k| u128::from(k.cast_unsigned() ^ (1 << 31)));
+    x << 64 | y << 32 | z
+}
+
 impl VoxelGrid {
     /// An empty grid of cubic cells with edges of `size` metres.
     ///
@@ -100,17 +107,23 @@ impl VoxelGrid {
     /// All cells in the order of their keys (x first, then y, then z), which does not depend on the order of insertion.
     /// Sorts them on every call.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Cell<'_>> {
-        let mut cells: Vec<_> = self.founded().collect();
-        cells.sort_unstable_by_key(Cell::key);
-        cells.into_iter()
+        let sorted = self.sorted(|_| true);
+        sorted.into_iter().map(|(_, id)| self.cell(id, self.homes[id.index()]))
     }
 
     /// The dense cells, those with at least `tau` points, and which of them are directly connected.
     pub fn dense(&self, tau: u64, connectivity: Connectivity) -> DenseCells {
-        let mut cells: Vec<_> =
-            self.founded().filter(|c| c.density() >= tau).map(|c| (c.key(), c.id())).collect();
-        cells.sort_unstable();
-        DenseCells::connect(&cells, connectivity)
+        DenseCells::connect(&self.sorted(|moments| moments.count() >= tau), connectivity)
+    }
+
+    /// Some of the cells in the order of their keys.
+    fn sorted(&self, which: impl Fn(&Moments) -> bool) -> Vec<(VoxelKey, CellId)> {
+        // Part by part, for so they lie in memory.
+        let all = self.parts.iter().flat_map(Part::cells);
+        let mut cells: Vec<(VoxelKey, CellId)> =
+            all.filter(|(_, slot)| which(&slot.moments)).map(|(id, slot)| (slot.key, id)).collect();
+        cells.sort_unstable_by_key(|(key, _)| in_order(*key));
+        cells
     }
 
     /// Adds the points of another grid of the same cell size: cell by cell, in the order of the other's keys.

@@ -30,6 +30,10 @@
 //! and grids of parts merge into the grid of the whole. [`Assignment::ExpectedDistance`]: the paper's rule, by the
 //! smallest expected squared distance to the virtual centres around; it depends on the order of points.
 //!
+//! # Many points
+//! [`VoxelGrid::insert_all`] takes a scan at once, on all threads and with the bits of point by point, and tells the cell of
+//! each point and where in it the point is. [`VoxelGrid::halved`] makes cells of twice the edge from the sums.
+//!
 //! # Errors and limits
 //! Cell sizes that are not lengths ([`validate_cell_size`]) are refused, and so are points that are not finite or
 //! further than [`MAX_INDEX`] voxels from the origin: see [`GridError`]. Nothing panics on such input, and a refused

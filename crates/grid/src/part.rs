@@ -47,6 +47,11 @@ impl Part {
         self.tables[block as usize][place].checked_sub(1)
     }
 
+    /// Its cells in the order in which they were founded.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = (CellId, &Slot)> {
+        self.ids.iter().copied().zip(&self.slots)
+    }
+
     /// A slot for a voxel that has none. The caller tells who it is.
     #[inline]
     pub(crate) fn found(&mut self, block: u32, place: usize, key: VoxelKey) -> u32 {

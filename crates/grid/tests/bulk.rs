@@ -1,7 +1,7 @@
 //! Points at once against points one by one, and against themselves on other numbers of threads.
 
-// A test has no caller to report to; places are rounded on purpose.
-#![allow(clippy::unwrap_used, clippy::cast_possible_truncation)]
+// Values are the same to the bit; a test has no caller to report to; places are rounded on purpose.
+#![allow(clippy::float_cmp, clippy::unwrap_used, clippy::cast_possible_truncation)]
 
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::locate::{BATCH, Located, NOWHERE};
 use super::{PointErrors, Taken, records};
 use crate::block::{BlockKey, PARTS, part_of};
-use crate::key::{Lattice, key_of};
+use crate::key::Lattice;
 use crate::{GridError, VoxelKey};
 
 /// Points of a section. Their numbers fit into 16 bits.
