@@ -83,11 +83,8 @@ fn profile(points: usize) -> Outcome<()> {
         }
         done(&mut best)?;
         let mut samples = Samples::default();
-        let known = cells
-            .iter()
-            .zip(&places)
-            .filter_map(|(cell, place)| Some((u32::try_from((*cell)?.index()).ok()?, *place)));
-        samples.push_all(known);
+        let cell = |at: usize| cells[at].and_then(|cell| u32::try_from(cell.index()).ok());
+        samples.push_all(cell, &places);
         done(&mut best)?;
         black_box(grid.halved()?);
         done(&mut best)?;
@@ -98,7 +95,6 @@ fn profile(points: usize) -> Outcome<()> {
         let found = find(&fine, grid.cell_size(), cells.len() as u64, of_cell, &Settings::default())?;
         done(&mut best)?;
         let mut labels: Vec<Option<NonZeroU32>> = vec![None; cells.len()];
-        let cell = |at: usize| cells[at].and_then(|cell| u32::try_from(cell.index()).ok());
         black_box(found.labeller.label_all(cell, &places, |at, label| {
             labels[at] = label.and_then(|label| NonZeroU32::new(label + 1));
         }));

@@ -243,12 +243,11 @@ impl Mapper {
                 first_refusal: all.first_refusal.or(taken.first_refusal),
             };
             if grows {
-                let points = self.kept.cells[begin..].iter().zip(&self.kept.places[begin..]);
+                let cells = &self.kept.cells[begin..];
                 // A grid numbers its cells with 32 bits.
                 #[allow(clippy::cast_possible_truncation)]
-                let known =
-                    |(cell, place): (&Option<CellId>, &[f32; 3])| Some(((*cell)?.index() as u32, *place));
-                self.samples.push_all(points.filter_map(known));
+                let cell = |at: usize| cells[at].map(|cell| cell.index() as u32);
+                self.samples.push_all(cell, &self.kept.places[begin..]);
             }
         }
         Ok(all)

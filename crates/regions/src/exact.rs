@@ -13,8 +13,7 @@ const AT_ONCE: usize = 1 << 14;
 pub(crate) fn samples_of(points: Points) -> Samples {
     let mut samples = Samples::default();
     let finite = |place: &[f32; 3]| place.iter().all(|x| x.is_finite());
-    let known = points.cells.iter().zip(points.places).filter_map(|(cell, place)| Some(((*cell)?, *place)));
-    samples.push_all(known.filter(|(_, place)| finite(place)));
+    samples.push_all(|at| points.cells[at].filter(|_| finite(&points.places[at])), points.places);
     samples
 }
 

@@ -5,6 +5,8 @@ use rayon::prelude::*;
 /// So many points of a cell are kept at most.
 const MOST: usize = 16;
 const STRIPES: usize = 8;
+/// Points whose places are scrambled at once.
+const BATCH: usize = 128;
 
 /// A sample of the points of each cell, by which points are told apart without all of them being kept.
 ///
@@ -54,23 +56,22 @@ impl Samples {
     #[inline]
     pub fn push(&mut self, cell: u32, place: [f32; 3]) {
         let (stripe, at) = home(cell);
-        self.stripes[stripe].push(at, place);
+        self.stripes[stripe].push(at, place, scrambled(place));
     }
 
-    /// Adds many points, each with its cell, on all threads of the rayon pool.
-    pub fn push_all(&mut self, points: impl Iterator<Item = (u32, [f32; 3])> + Clone + Sync) {
+    /// Adds many points on all threads of the rayon pool; `cells` tells the cell of the point at a place of the list, if it is of one.
+    pub fn push_all(&mut self, cells: impl Fn(usize) -> Option<u32> + Sync, places: &[[f32; 3]]) {
         let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
         self.stripes.par_chunks_mut(share).enumerate().for_each(|(number, stripes)| {
             let first = number * share;
-            let (stripe, at) = home(0);
-            let mut last = (0, stripe, at);
-            for (cell, place) in points.clone() {
-                if cell != last.0 {
-                    let (stripe, at) = home(cell);
-                    last = (cell, stripe, at);
-                }
-                if let Some(stripe) = stripes.get_mut(last.1.wrapping_sub(first)) {
-                    stripe.push(last.2, place);
+            let mut all = [0; BATCH];
+            for (batch, places) in places.chunks(BATCH).enumerate() {
+                scramble(places, &mut all);
+                for (at, (place, scrambled)) in (batch * BATCH..).zip(places.iter().zip(&all)) {
+                    let Some((stripe, cell)) = cells(at).map(home) else { continue };
+                    if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
+                        stripe.push(cell, *place, *scrambled);
+                    }
                 }
             }
         });
@@ -108,12 +109,11 @@ fn home(cell: u32) -> (usize, usize) {
 
 impl Stripe {
     #[inline]
-    fn push(&mut self, at: usize, place: [f32; 3]) {
+    fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
         if at >= self.cells.len() {
             self.cells.resize(at + 1, Kept::NONE);
             self.places.resize(at + 1, [[0.0; 3]; MOST]);
         }
-        let scrambled = scrambled(place);
         let kept = &mut self.cells[at];
         if scrambled > kept.threshold {
             return;
@@ -153,8 +153,15 @@ impl Kept {
     }
 }
 
+/// The scrambled places of a batch, several at a time.
+fn scramble(places: &[[f32; 3]], to: &mut [u32; BATCH]) {
+    pulp::Arch::new().dispatch(|| to.iter_mut().zip(places).for_each(|(to, place)| *to = scrambled(*place)));
+}
+
 /// A number that looks drawn at random, and is the same for the same place.
-#[inline]
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
 fn scrambled([x, y, z]: [f32; 3]) -> u32 {
     let mix = x.to_bits().wrapping_mul(0x9e37_79b9)
         ^ y.to_bits().wrapping_mul(0x85eb_ca6b).rotate_left(11)
@@ -221,10 +228,10 @@ mod tests {
             for threads in 1..4 {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut together = Samples::default();
-                let points = places.iter().zip(0..).map(|(place, k)| (k % 11, *place));
-                pool.install(|| together.push_all(points.clone()));
+                let cell = |at: usize| u32::try_from(at % 11).ok();
+                pool.install(|| together.push_all(cell, &places));
                 let mut single = Samples::default();
-                points.for_each(|(cell, place)| single.push(cell, place));
+                places.iter().zip(0..).for_each(|(place, k)| single.push(k % 11, *place));
                 for cell in 0..11 {
                     prop_assert_eq!(together.of(cell), single.of(cell));
                 }

@@ -2,15 +2,16 @@
 
 use super::locate::{BATCH, Located, NOWHERE};
 use super::{Chunk, PointErrors, Taken, records};
+use crate::block::BlockKey;
 use crate::{CellId, VoxelGrid, VoxelKey};
 
 /// Batches that are looked at to tell in which order points come.
 const LOOKS: usize = 16;
-/// Points are in order when so many of them, on average, follow each other in the same voxel.
-const IN_ORDER: usize = 2;
+/// Points are in order when so many of them, on average, follow each other in the same block.
+const IN_ORDER: usize = 4;
 
 impl VoxelGrid {
-    /// Whether most points are in the voxel of the one before, so that cells need not be brought together first.
+    /// Whether most points are near the one before, so that cells need not be brought together first.
     pub(super) fn are_in_order(&self, points: &[[f64; 3]]) -> bool {
         let stride = points.len() / LOOKS + 1;
         let (mut seen, mut runs) = (0, 0);
@@ -20,7 +21,8 @@ impl VoxelGrid {
             located.locate(part, self.lattice);
             let keys = &located.keys[..part.len()];
             seen += part.len();
-            runs += 1 + keys.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            let blocks = |pair: &&[VoxelKey]| BlockKey::of(pair[0]) != BlockKey::of(pair[1]);
+            runs += 1 + keys.windows(2).filter(blocks).count();
         }
         seen >= IN_ORDER * runs
     }
