@@ -15,6 +15,9 @@ pub(crate) const VOXELS: usize = 1 << (3 * BITS);
 /// Parts of a grid, so many that the cells of one stay in the cache. Each block is of one of them, told by its key.
 pub(crate) const PARTS: usize = 128;
 
+/// Places for blocks that are remembered.
+pub(crate) const RECENT: usize = 8;
+
 /// Index of a block along x, y and z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct BlockKey([i32; 3]);
@@ -24,6 +27,13 @@ impl BlockKey {
     #[inline]
     pub(crate) fn of(key: VoxelKey) -> Self {
         Self(key.map(|k| k >> BITS))
+    }
+
+    /// Where it is remembered: not where any of the blocks are that share a face, an edge or a corner with it.
+    #[inline]
+    pub(crate) fn recent(self) -> usize {
+        let [x, y, z] = self.0.map(|k| k.cast_unsigned() as usize & 1);
+        x | y << 1 | z << 2
     }
 
     /// The same for every grid and every run.

@@ -2,7 +2,7 @@
 
 use terrace_stats::Moments;
 
-use crate::block::{BlockKey, PARTS, part_of, place_of};
+use crate::block::{BlockKey, PARTS, RECENT, part_of, place_of};
 use crate::bulk::Scratch;
 use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
@@ -22,8 +22,8 @@ pub struct VoxelGrid {
     pub(crate) parts: Vec<Part>,
     /// Where each cell is kept, by its identity.
     pub(crate) homes: Vec<Home>,
-    /// The block of the last point: scans come in order, so the next point is often there too.
-    last: Option<(BlockKey, u32, u32)>,
+    /// Blocks of the last points, by [`BlockKey::recent`]: scans come in order, and a surface in the face of a block is on both sides.
+    last: [Option<(BlockKey, u32, u32)>; RECENT],
     pub(crate) scratch: Scratch,
 }
 
@@ -67,7 +67,7 @@ impl VoxelGrid {
             assignment,
             parts: vec![Part::default(); PARTS],
             homes: Vec::new(),
-            last: None,
+            last: [None; RECENT],
             scratch: Scratch::default(),
         }
     }
@@ -179,7 +179,7 @@ impl VoxelGrid {
     #[inline]
     pub(crate) fn home_of(&self, key: VoxelKey) -> Option<Home> {
         let block_key = BlockKey::of(key);
-        let (part, block) = match self.last {
+        let (part, block) = match self.last[block_key.recent()] {
             Some((last, part, block)) if last == block_key => (part, block),
             _ => {
                 let hash = block_key.hash();
@@ -197,7 +197,7 @@ impl VoxelGrid {
     #[inline]
     pub(crate) fn home_or_new(&mut self, key: VoxelKey) -> Result<(Home, bool), GridError> {
         let block_key = BlockKey::of(key);
-        let (part, block) = match self.last {
+        let (part, block) = match self.last[block_key.recent()] {
             Some((last, part, block)) if last == block_key => (part, block),
             _ => {
                 let hash = block_key.hash();
@@ -210,7 +210,7 @@ impl VoxelGrid {
                 // There are few parts.
                 #[allow(clippy::cast_possible_truncation)]
                 let part = part as u32;
-                self.last = Some((block_key, part, block));
+                self.last[block_key.recent()] = Some((block_key, part, block));
                 (part, block)
             }
         };

@@ -2,29 +2,32 @@
 
 use super::locate::{BATCH, Located, NOWHERE};
 use super::{Chunk, PointErrors, Taken, records};
-use crate::block::BlockKey;
+use crate::block::{BlockKey, RECENT};
 use crate::{CellId, VoxelGrid, VoxelKey};
 
 /// Batches that are looked at to tell in which order points come.
 const LOOKS: usize = 16;
-/// Points are in order when so many of them, on average, follow each other in the same block.
-const IN_ORDER: usize = 4;
+/// Points are in order when so few of them, at most one in so many, are in a block that was not met just before.
+const IN_ORDER: usize = 8;
 
 impl VoxelGrid {
-    /// Whether most points are near the one before, so that cells need not be brought together first.
+    /// Whether most points are near those before, so that cells need not be brought together first.
     pub(super) fn are_in_order(&self, points: &[[f64; 3]]) -> bool {
-        let stride = points.len() / LOOKS + 1;
-        let (mut seen, mut runs) = (0, 0);
+        let stride = (points.len() / LOOKS).max(BATCH);
+        let (mut seen, mut new) = (0, 0);
         let mut located = Located::new();
-        for part in points.chunks(stride.max(BATCH)) {
+        for part in points.chunks(stride) {
             let part = &part[..part.len().min(BATCH)];
             located.locate(part, self.lattice);
-            let keys = &located.keys[..part.len()];
+            let mut recent = [None; RECENT];
+            for block in located.keys[..part.len()].iter().map(|key| BlockKey::of(*key)) {
+                let before = recent[block.recent()].replace(block);
+                // The first of each place is new wherever the batch begins.
+                new += usize::from(before.is_some_and(|before| before != block));
+            }
             seen += part.len();
-            let blocks = |pair: &&[VoxelKey]| BlockKey::of(pair[0]) != BlockKey::of(pair[1]);
-            runs += 1 + keys.windows(2).filter(blocks).count();
         }
-        seen >= IN_ORDER * runs
+        seen >= IN_ORDER * new
     }
 
     /// On one thread, run by run. Cells, identities and sums are those of the other ways.
