@@ -58,7 +58,7 @@ fn profile(points: usize) -> Outcome<()> {
             clock = now;
             Ok(())
         };
-        let all = scans.iter().flat_map(|scan| scan.points());
+        let all = scans.iter().flat_map(terrace::Scan::points);
         black_box(all.fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]));
         done(&mut best)?;
         let first = scans.first().ok_or("no scan")?;

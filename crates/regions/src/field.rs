@@ -173,7 +173,9 @@ impl Anchored {
         let mut all = Sum::ZERO;
         for of_cube in cells.chunk_by(|a, b| self.cube_of[*a as usize] == self.cube_of[*b as usize]) {
             let mut sum = Sum::ZERO;
-            of_cube.iter().for_each(|cell| sum.add(&self.sums[*cell as usize]));
+            for cell in of_cube {
+                sum.add(&self.sums[*cell as usize]);
+            }
             all.add(&sum.translated(self.anchor_of(of_cube[0]) - anchor));
         }
         Some(all.stats(anchor))

@@ -50,7 +50,7 @@ impl Level {
         for level in (0..all.len().saturating_sub(1)).rev() {
             let (below, above) = all.split_at_mut(level + 1);
             if let (Some(own), Some(parents)) = (below.last_mut(), above.first()) {
-                own.from_parents(parents, &children[level + 1]);
+                own.look_among_children(parents, &children[level + 1]);
             }
         }
         all
@@ -73,7 +73,7 @@ impl Level {
 
     /// Finds the groups that touch among the children of the parents that do: those around the children of one parent fill at most
     /// 4 × 4 × 4 places.
-    fn from_parents(&mut self, parents: &Self, children: &[u32]) {
+    fn look_among_children(&mut self, parents: &Self, children: &[u32]) {
         const NONE: u32 = u32::MAX;
         let keys = &self.keys;
         let child = |parent: usize| children[parent]..children[parent + 1];

@@ -246,7 +246,12 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         if alone {
             shares.extend(only.map(|region| (region, 1.0)));
         } else {
-            self.add_shares(around(), before, shares);
+            for part in around().flat_map(|near| before[near].parts.as_slice()) {
+                match shares.iter_mut().find(|(known, _)| *known == part.region) {
+                    Some((_, sum)) => *sum += part.expected,
+                    None => shares.push((part.region, part.expected)),
+                }
+            }
         }
         let plane = |region: u32| candidates[region as usize].as_ref();
         shares.retain(|(region, _)| plane(*region).is_some());
@@ -287,21 +292,6 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     several.near.push(near);
                 }
                 Nearby::Several(Box::new(several))
-            }
-        }
-    }
-
-    /// How many points around a cell are expected to be of each region.
-    fn add_shares(
-        &self,
-        around: impl Iterator<Item = usize>,
-        before: &[OfCell],
-        shares: &mut Vec<(u32, f64)>,
-    ) {
-        for part in around.flat_map(|near| before[near].parts.as_slice()) {
-            match shares.iter_mut().find(|(known, _)| *known == part.region) {
-                Some((_, sum)) => *sum += part.expected,
-                None => shares.push((part.region, part.expected)),
             }
         }
     }
