@@ -183,7 +183,9 @@ mod tests {
 
     fn all(places: &[[f32; 3]]) -> Samples {
         let mut samples = Samples::default();
-        places.iter().for_each(|place| samples.push(0, *place));
+        for place in places {
+            samples.push(0, *place);
+        }
         samples
     }
 
