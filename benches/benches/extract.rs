@@ -99,9 +99,7 @@ fn case(args: &[String]) -> Outcome<()> {
     let loaded = Usage::now()?;
 
     let mut mapper = Mapper::new(params)?;
-    for scan in &scans {
-        mapper.insert(scan)?;
-    }
+    pool.install(|| scans.iter().try_for_each(|scan| mapper.insert(scan).map(drop)))?;
     let gridded = Usage::now()?;
     // From the last scan to the first stage nothing but the threads is made ready.
     let mut begun = vec![(2, gridded.cpu)];

@@ -11,6 +11,8 @@ use terrace_types::Scan;
 const SPACINGS: f64 = 5.0;
 /// Cells are this many standard errors wide, so that noise does not scatter a surface over several layers.
 const SIGMAS: f64 = 6.0;
+/// Bits that tell which voxels are near a place: many more than there are such voxels.
+const MARKS: usize = 1 << 17;
 /// Places at which the scan is looked at.
 const SAMPLES: usize = 256;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
@@ -94,9 +96,7 @@ fn first_reach(samples: &[[f64; 3]], points: usize) -> Option<f64> {
 
 /// What is within `reach` of each sample. Only the voxels around samples are filled, so that one look-up per point does.
 fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local> {
-    // Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.
-    #[allow(clippy::cast_possible_truncation)]
-    let key = |p: &[f64; 3]| p.map(|x| (x / reach).floor() as i64);
+    let key = |p: &[f64; 3]| p.map(|x| floor(x / reach));
     let around = |centre: [i64; 3]| {
         (0..27).map(move |i: i64| {
             [
@@ -108,8 +108,17 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
     };
     let mut buckets: HashMap<[i64; 3], Vec<[f64; 3]>, FixedState> =
         samples.iter().flat_map(|sample| around(key(sample))).map(|key| (key, Vec::new())).collect();
+    // Most points are near no sample, and told by a bit.
+    let mut marks = vec![0_u64; MARKS / 64];
+    for place in buckets.keys().map(mark) {
+        marks[place / 64] |= 1 << (place % 64);
+    }
     for point in points {
-        if let Some(bucket) = buckets.get_mut(&key(point)) {
+        let key = key(point);
+        let place = mark(&key);
+        if marks[place / 64] >> (place % 64) & 1 == 1
+            && let Some(bucket) = buckets.get_mut(&key)
+        {
             bucket.push(*point);
         }
     }
@@ -131,6 +140,25 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
             Local { spacing: spacing_of(&near), noise: noise_of(sample, &near) }
         })
         .collect()
+}
+
+/// The place of a voxel among the marks.
+#[inline]
+fn mark(key: &[i64; 3]) -> usize {
+    let [x, y, z] = key.map(i64::cast_unsigned);
+    let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
+        ^ z.wrapping_mul(0x1656_67b1_9e37_79f9);
+    // The upper bits, as many as there are marks.
+    (mixed >> (64 - MARKS.trailing_zeros())) as usize
+}
+
+/// The largest integer up to a number. Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.
+#[inline]
+fn floor(x: f64) -> i64 {
+    #[allow(clippy::cast_possible_truncation)]
+    let towards_zero = x as i64;
+    towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }
 
 /// `near` begins with the sample itself.

@@ -109,12 +109,20 @@ impl Nearby {
 #[derive(Debug, Clone)]
 pub struct Labeller {
     reach: f32,
-    cells: Vec<Seen>,
-    anchors: Vec<DVec3>,
-    /// Where anchors are from the first, in units.
-    from: Vec<[i64; 3]>,
+    cells: Vec<Place>,
+    /// What places of cells are counted from.
+    origin: DVec3,
     planes: Vec<Flat>,
     units: Units,
+}
+
+/// A cell, as its points are labelled.
+#[derive(Debug, Clone)]
+struct Place {
+    anchor: DVec3,
+    /// Where the anchor is from the origin, in units.
+    from: [i64; 3],
+    seen: Seen,
 }
 
 /// What points of a cell can be of. Regions are numbered as planes; those that are none have no number.
@@ -150,7 +158,7 @@ impl Measure {
     /// Their mean and their root mean square distance from the plane, in metres; not finite without points.
     pub(crate) fn mean_and_rms(&self, labeller: &Labeller) -> ([f64; 3], f64) {
         let (points, units) = (self.points as f64, labeller.units);
-        let origin = labeller.anchors.first().copied().unwrap_or_default().to_array();
+        let origin = labeller.origin.to_array();
         let mean = [0, 1, 2].map(|i| origin[i] + self.sum[i] as f64 * units.length / points);
         (mean, (self.squares as f64 * units.square / points).sqrt())
     }
@@ -181,11 +189,15 @@ impl Labeller {
         mut number: impl FnMut(u32, u32) -> Option<u32>,
         planes: Vec<Flat>,
     ) -> Self {
-        let mut cells: Vec<Seen> = vec![Seen::None; of_cells.len()];
-        let mut anchors = vec![DVec3::ZERO; of_cells.len()];
+        let (units, origin) =
+            (Units::of(field.edge), field.cells.first().map_or(DVec3::ZERO, |cell| cell.anchor));
+        let nowhere = Place { anchor: origin, from: [0; 3], seen: Seen::None };
+        let mut cells: Vec<Place> = vec![nowhere; of_cells.len()];
+        // Cells too far from the first for a number of 64 bits have the farthest there is.
+        #[allow(clippy::cast_possible_truncation)]
+        let whole = |x: f64| (x / units.length).round() as i64;
         for (((rank, given), of), sums) in (0..).zip(&field.order).zip(of_cells).zip(&field.cells) {
-            anchors[*given as usize] = sums.anchor;
-            cells[*given as usize] = match of.nearby {
+            let seen = match of.nearby {
                 Nearby::None => Seen::None,
                 Nearby::One(near) => {
                     number(rank, near.region).map_or(Seen::None, |region| Seen::One(Near { region, ..near }))
@@ -200,22 +212,19 @@ impl Labeller {
                     }
                 }
             };
+            let from = (sums.anchor - origin).to_array().map(whole);
+            cells[*given as usize] = Place { anchor: sums.anchor, from, seen };
         }
-        let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or_default());
-        // Cells too far from the first for a number of 64 bits have the farthest there is.
-        #[allow(clippy::cast_possible_truncation)]
-        let whole = |x: f64| (x / units.length).round() as i64;
-        let from = anchors.iter().map(|anchor| (*anchor - origin).to_array().map(whole)).collect();
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
-        Self { reach: reach as f32, cells, anchors, from, planes, units }
+        Self { reach: reach as f32, cells, origin, planes, units }
     }
 
     /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its
     /// place among the cells, and `place` where the point is from the anchor of the cell's sums, in metres.
     #[inline]
     pub fn label(&self, cell: u32, place: [f32; 3]) -> Option<u32> {
-        match self.cells.get(cell as usize)? {
+        match &self.cells.get(cell as usize)?.seen {
             Seen::None => None,
             Seen::One(near) => near.errors(place, self.reach).map(|_| near.region),
             Seen::Several(several) => {
@@ -241,10 +250,14 @@ impl Labeller {
             let end = (first + 1..most).find(|at| cells(*at) != cell).unwrap_or(most);
             let run = first..end;
             first = end;
-            match cell.and_then(|cell| self.cells.get(cell as usize)).unwrap_or(&Seen::None) {
+            let Some(of) = cell.and_then(|cell| self.cells.get(cell as usize)) else {
+                run.for_each(|at| label(at, None));
+                continue;
+            };
+            match &of.seen {
                 Seen::None => run.for_each(|at| label(at, None)),
                 Seen::One(near) => {
-                    let mut of_run = self.begin(cell, near.region);
+                    let mut of_run = self.begin(of, near.region);
                     for (at, place) in run.clone().zip(&places[run]) {
                         let is_near = near.errors(*place, self.reach).is_some();
                         of_run.push(*place, is_near, self.units);
@@ -257,7 +270,7 @@ impl Labeller {
                     for (at, place) in run.clone().zip(&places[run]) {
                         let region = several.best(*place, self.reach).and_then(|at| *numbers.get(at)?);
                         if let Some(region) = region {
-                            let mut alone = self.begin(cell, region);
+                            let mut alone = self.begin(of, region);
                             alone.push(*place, true, self.units);
                             alone.add_to(region, self.units, &mut measures);
                         }
@@ -270,13 +283,10 @@ impl Labeller {
     }
 
     #[inline]
-    fn begin(&self, cell: Option<u32>, region: u32) -> OfRun {
-        let anchor = cell.and_then(|cell| self.anchors.get(cell as usize));
-        let (Some(anchor), Some(plane)) = (anchor, self.planes.get(region as usize)) else {
-            return OfRun::default();
-        };
-        let from = cell.and_then(|cell| self.from.get(cell as usize)).copied().unwrap_or_default();
-        OfRun { normal: plane.normal, offset: plane.distance(*anchor), from, ..OfRun::default() }
+    fn begin(&self, of: &Place, region: u32) -> OfRun {
+        let Some(plane) = self.planes.get(region as usize) else { return OfRun::default() };
+        let offset = plane.distance(of.anchor);
+        OfRun { normal: plane.normal, offset, from: of.from, ..OfRun::default() }
     }
 }
 
