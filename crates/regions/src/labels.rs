@@ -146,7 +146,7 @@ impl Measure {
     }
 
     /// Their mean from the point of the plane, in metres, and their root mean square distance from the plane; not finite without points.
-    pub(crate) fn mean_and_rms(&self, units: Units) -> ([f64; 3], f64) {
+    fn mean_and_rms(&self, units: Units) -> ([f64; 3], f64) {
         let points = self.points as f64;
         let mean = self.sum.map(|sum| sum as f64 * units.length / points);
         (mean, (self.squares as f64 * units.square / points).sqrt())
@@ -155,7 +155,7 @@ impl Measure {
 
 /// What lengths and squares of them are counted in: powers of two, a small share of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Units {
+struct Units {
     length: f64,
     square: f64,
 }
@@ -262,6 +262,14 @@ impl Labeller {
         measures
     }
 
+    /// Where the points of a plane are in the mean, and their root mean square distance from it, in metres; `None` without points, and for
+    /// a plane that does not exist.
+    pub fn mean_and_rms(&self, plane: usize, measure: &Measure) -> Option<([f64; 3], f64)> {
+        let point = self.planes.get(plane).filter(|_| measure.points > 0)?.point.to_array();
+        let (mean, rms) = measure.mean_and_rms(self.units);
+        Some(([0, 1, 2].map(|i| point[i] + mean[i]), rms))
+    }
+
     #[inline]
     fn begin(&self, cell: Option<u32>, region: u32) -> OfRun {
         let anchor = cell.and_then(|cell| self.anchors.get(cell as usize));
@@ -280,10 +288,6 @@ impl Labeller {
         if let Seen::One(near) = run.seen {
             run.of_one.flush(near.region, self.units, measures);
         }
-    }
-
-    pub(crate) fn units(&self) -> Units {
-        self.units
     }
 }
 
