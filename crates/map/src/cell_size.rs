@@ -45,6 +45,12 @@ pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
 /// As [`choose_cell_size`], for a scan whose pose is only known to within `pose`: its errors count as the points' own, for
 /// scans lie as far apart.
 pub(crate) fn choose_from(scan: &Scan, pose: Option<&PoseNoise>) -> Option<CellSizeChoice> {
+    choose_by_share(scan, pose, 1.0)
+}
+
+/// As [`choose_from`], for a scan of which this is a share, spread evenly over its points. Scans are of surfaces: all points are closer to
+/// each other by the root of it. The noise that a share shows is that of all.
+pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64) -> Option<CellSizeChoice> {
     let points: Vec<[f64; 3]> =
         scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
     if points.len() <= NEAR {
@@ -60,7 +66,7 @@ pub(crate) fn choose_from(scan: &Scan, pose: Option<&PoseNoise>) -> Option<CellS
         let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
         let most = |seen: &[f64]| 2 * seen.len() > samples.len();
         if most(&spacings) && (most(&noises) || points.len() < 2 * PATCH) {
-            let spacing = median(&mut spacings)?;
+            let spacing = median(&mut spacings)? * share.sqrt();
             let seen = median(&mut noises).unwrap_or(0.0);
             let sigma = seen.max(stated_sigma(scan, pose));
             let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
@@ -150,7 +156,9 @@ fn mark(key: &[i64; 3]) -> usize {
         ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
         ^ z.wrapping_mul(0x1656_67b1_9e37_79f9);
     // The upper bits, as many as there are marks.
-    (mixed >> (64 - MARKS.trailing_zeros())) as usize
+    #[allow(clippy::cast_possible_truncation)]
+    let place = (mixed >> (64 - MARKS.trailing_zeros())) as usize;
+    place
 }
 
 /// The largest integer up to a number. Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.

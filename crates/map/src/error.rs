@@ -23,6 +23,17 @@ impl ParamsError {
     }
 }
 
+/// Why there is no map that forgets its points.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum StreamingError {
+    /// A parameter cannot be used.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// Points that find their cell by expected distance, or weigh what they tell, are not told again by where they are.
+    #[error("points can only be forgotten where their cell is told by their place and each counts the same")]
+    NotByPlace,
+}
+
 /// Why a scan could not be inserted. The mapper is as it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum InsertError {

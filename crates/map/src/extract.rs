@@ -47,6 +47,8 @@ impl Mapper {
     ///
     /// # Errors
     /// [`ExtractError::Empty`] when no point was inserted.
+    ///
+    /// Where points are [not kept](Mapper::streaming) there are no labels, see [`Mapper::extract_streamed`].
     pub fn extract(&self) -> Result<PlaneMap, ExtractError> {
         self.extract_observed(|_| {})
     }
@@ -56,14 +58,29 @@ impl Mapper {
     /// # Errors
     /// As [`Mapper::extract`].
     pub fn extract_observed(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+        if self.is_streaming() {
+            return self.extract_streamed(begins).map(|(map, _)| map);
+        }
         match self.params().grows() {
             Some(regions) => self.extract_regions(&regions, begins),
             None => self.extract_clusters(begins),
         }
     }
 
-    /// The planes as clusters, the uncertain ones at the φ of least cost.
-    fn extract_clusters(&self, mut begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+    /// The planes as clusters, and the labels of all points, which are kept.
+    fn extract_clusters(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+        let (mut map, plane_of_cell) = self.clusters(begins)?;
+        map.labels = self.kept().cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        let seen = seen_by(self.views(), &map.labels, map.planes.len());
+        face_sensors(&mut map.planes, &seen, self.views());
+        Ok(map)
+    }
+
+    /// The planes as clusters, the uncertain ones at the φ of least cost, and the plane of each cell.
+    pub(crate) fn clusters(
+        &self,
+        mut begins: impl FnMut(Stage),
+    ) -> Result<(PlaneMap, Vec<Option<PlaneId>>), ExtractError> {
         let first = First::cluster(self, &mut begins)?;
         begins(Stage::Optimise { clusters: first.uncertain(self.params()).count() });
         let (parts, optimised) = improve(&first, self.params())?;
@@ -80,10 +97,6 @@ impl Mapper {
             let cells = Owned { grid, nodes: &nodes, plane_of_cell: &plane_of_cell, tau: used.tau, errors };
             estimate_planes(&mut planes, cells, &plane_of_node)
         });
-        let labels: Vec<_> =
-            self.kept().cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
-        let seen = seen_by(self.views(), &labels, planes.len());
-        face_sensors(&mut planes, &seen, self.views());
         let noise = estimated.and_then(|errors| errors.level);
         let cells = nodes
             .stats
@@ -92,7 +105,9 @@ impl Mapper {
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }))
             .collect();
         let cell_counts = CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered };
-        Ok(PlaneMap { planes, points: self.len(), labels, used, noise, cells, cell_counts, optimised })
+        let (points, labels) = (self.len(), Vec::new());
+        let map = PlaneMap { planes, points, labels, used, noise, cells, cell_counts, optimised };
+        Ok((map, plane_of_cell))
     }
 }
 

@@ -44,6 +44,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Scans larger than memory
+//! [`Mapper::streaming`] makes a map that forgets points. Scans go in chunk by chunk ([`Mapper::insert_more`]); planes come out of
+//! [`Mapper::extract_streamed`], and then the chunks are given once more for their labels ([`PointLabels`]). [`CellSizeSample`] chooses
+//! the cell size from all of a scan in chunks.
+//!
 //! # Units and frames
 //! Metres and radians; planes are in the world frame of the poses.
 //!
@@ -54,6 +59,7 @@
 //! Parameters are checked when the mapper is made ([`ParamsError`]). Points that are not finite are absent and have no
 //! label; points too far away for the grid are counted and left out ([`Inserted`]). Nothing panics.
 
+mod cell_sample;
 mod cell_size;
 mod cost;
 mod error;
@@ -66,13 +72,17 @@ mod nodes;
 mod optimise;
 mod params;
 mod plane_map;
+mod point_labels;
 mod regions;
+mod seen;
 pub mod tune;
 mod uncertain;
+mod world;
 
+pub use cell_sample::CellSizeSample;
 pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
-pub use error::{ExtractError, InsertError, ParamsError};
+pub use error::{ExtractError, InsertError, ParamsError, StreamingError};
 
 pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate};
 pub use extract::Stage;
@@ -80,6 +90,7 @@ pub use mapper::{Inserted, Mapper};
 pub use optimise::Optimised;
 pub use params::{Estimate, Join, Optimise, Params, Regions, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, Grown, LabelledCell, PlaneMap, Summary, Used};
+pub use point_labels::PointLabels;
 pub use uncertain::{UncertainCluster, UncertainClusters};
 
 pub use terrace_cluster::{Interval, SeedOrder};

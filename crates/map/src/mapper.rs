@@ -2,15 +2,16 @@
 
 use std::sync::OnceLock;
 
-use rayon::prelude::*;
-use terrace_grid::{CellId, GridError, PointErrors, Taken, VoxelGrid};
+use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
 use terrace_noise::PoseNoise;
 use terrace_regions::Samples;
 use terrace_stats::UncertainVector;
-use terrace_types::{Frame, Scan, Sigma};
+use terrace_types::Scan;
 
 use crate::cell_size::choose_from;
-use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, Weighting};
+use crate::seen::Seen;
+use crate::world::World;
+use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError, Weighting};
 
 /// Points that are moved to the world at once.
 const AT_ONCE: usize = 1 << 20;
@@ -27,6 +28,8 @@ pub struct Mapper {
     /// Some points of each fine cell, where regions are grown.
     samples: Samples,
     kept: Kept,
+    /// What each view saw of which cell, where points are not kept.
+    seen: Option<Seen>,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
 }
@@ -46,6 +49,13 @@ pub(crate) struct Kept {
     pub(crate) cells: Vec<Option<CellId>>,
     /// Where it is, from the centre of its voxel, where labels are those of points.
     pub(crate) places: Vec<[f32; 3]>,
+}
+
+impl Kept {
+    fn clear(&mut self) {
+        self.cells.clear();
+        self.places.clear();
+    }
 }
 
 /// The points of a scan and where they were seen from.
@@ -84,8 +94,22 @@ impl Mapper {
             coarse: OnceLock::new(),
             samples: Samples::default(),
             kept: Kept::default(),
+            seen: None,
             views: Vec::new(),
         })
+    }
+
+    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and with how many
+    /// scans saw each. For scans that do not fit into memory, see [`Mapper::insert_more`] and [`Mapper::extract_streamed`].
+    ///
+    /// # Errors
+    /// [`StreamingError`] when a parameter cannot be used, or points could not be told again by where they are
+    /// ([`Params::by_place`]).
+    pub fn streaming(params: Params) -> Result<Self, StreamingError> {
+        if !params.by_place() {
+            return Err(StreamingError::NotByPlace);
+        }
+        Ok(Self { seen: Some(Seen::default()), ..Self::new(params)? })
     }
 
     /// Changes how the next extractions search for φ; the points need not be inserted again.
@@ -135,6 +159,41 @@ impl Mapper {
         &self.kept
     }
 
+    /// What each view saw, where points are not kept.
+    pub(crate) fn seen(&self) -> Option<&Seen> {
+        self.seen.as_ref()
+    }
+
+    /// Whether points are forgotten once they are added: the map was made by [`Mapper::streaming`].
+    pub fn is_streaming(&self) -> bool {
+        self.seen.is_some()
+    }
+
+    /// Whether the first scan will be asked for a cell size: none is given, and none was chosen yet.
+    pub fn wants_cell_size(&self) -> bool {
+        self.fine.is_none() && self.params.cell_size.is_none()
+    }
+
+    /// Begins the map with a cell size that was chosen beforehand, from all of a scan that is inserted in chunks: see
+    /// [`CellSizeSample`](crate::CellSizeSample). Nothing happens where none is [wanted](Self::wants_cell_size).
+    ///
+    /// # Errors
+    /// [`InsertError::Grid`] when the grid refuses it.
+    pub fn begin_with(&mut self, choice: CellSizeChoice) -> Result<(), InsertError> {
+        if self.wants_cell_size() {
+            self.fine = Some(self.grid_of(choice.cell_size)?);
+            self.chosen = Some(choice);
+        }
+        Ok(())
+    }
+
+    fn grid_of(&self, size: f64) -> Result<VoxelGrid, GridError> {
+        match self.params.grows() {
+            Some(_) => VoxelGrid::of_halves(size),
+            None => VoxelGrid::new(size, self.params.assignment),
+        }
+    }
+
     /// The cell size that was chosen from the first scan; `None` when one was given, or before the first scan.
     pub fn chosen_cell_size(&self) -> Option<CellSizeChoice> {
         self.chosen
@@ -150,7 +209,7 @@ impl Mapper {
         self.len() == 0
     }
 
-    /// The cell of each point so far, scan after scan; `None` for points that were left out.
+    /// The cell of each point so far, scan after scan; `None` for points that were left out. None at all where they are not kept.
     pub fn cells_of_points(&self) -> impl ExactSizeIterator<Item = Option<CellId>> {
         let coarse = self.params.grows().and_then(|_| self.coarse());
         self.kept.cells.iter().map(move |cell| match coarse {
@@ -195,18 +254,42 @@ impl Mapper {
             }
         };
         if let Some(size) = size {
-            self.fine = Some(match self.params.grows() {
-                Some(_) => VoxelGrid::of_halves(size)?,
-                None => VoxelGrid::new(size, self.params.assignment)?,
-            });
+            self.fine = Some(self.grid_of(size)?);
         }
         self.chosen = choice;
+        if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
+            seen.end_view(last);
+        }
+        self.views.push(View { points: 0, sensor: scan.sensor_position(), pose });
+        self.take(scan)
+    }
+
+    /// Adds more points of the scan before: for one that comes in chunks, all of one frame. They were seen from the same place, and
+    /// share the error of its pose. The first chunk goes to [`Mapper::insert_from`]; a map of chunks is that of the whole scan to the
+    /// bit, if it has the same [cell size](Self::begin_with). Without a scan before it is [`Mapper::insert`].
+    ///
+    /// # Errors
+    /// [`InsertError::NoWeight`] as for [`Mapper::insert`], with the map as it was.
+    pub fn insert_more(&mut self, chunk: &Scan) -> Result<Inserted, InsertError> {
+        if self.views.is_empty() {
+            return self.insert(chunk);
+        }
+        if self.params.weighting == Weighting::Information {
+            require_errors(chunk)?;
+        }
+        self.take(chunk)
+    }
+
+    /// Adds points to the last view.
+    fn take(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
         self.coarse = OnceLock::new();
-        self.views.push(View { points: scan.len(), sensor: scan.sensor_position(), pose });
         let taken = match self.params.weighting {
             Weighting::Uniform => self.add_all(scan)?,
             Weighting::Information => self.add_weighted(scan),
         };
+        if let Some(view) = self.views.last_mut() {
+            view.points += scan.len();
+        }
         Ok(Inserted {
             points: taken.points,
             absent: taken.not_finite,
@@ -231,23 +314,31 @@ impl Mapper {
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
         let mut world = World::default();
+        let mut forgotten = Kept::default();
+        let kept = if self.seen.is_some() { &mut forgotten } else { &mut self.kept };
         for first in (0..scan.len()).step_by(AT_ONCE) {
             let (points, errors) = world.part(scan, first..(first + AT_ONCE).min(scan.len()));
-            let begin = self.kept.cells.len();
-            let places = grows.then_some(&mut self.kept.places);
-            let taken = grid.insert_all(points, errors, &mut self.kept.cells, places)?;
+            if self.seen.is_some() {
+                kept.clear();
+            }
+            let begin = kept.cells.len();
+            let places = grows.then_some(&mut kept.places);
+            let taken = grid.insert_all(points, errors, &mut kept.cells, places)?;
             all = Taken {
                 points: all.points + taken.points,
                 not_finite: all.not_finite + taken.not_finite,
                 refused: all.refused + taken.refused,
                 first_refusal: all.first_refusal.or(taken.first_refusal),
             };
+            if let Some(seen) = &mut self.seen {
+                seen.push(&kept.cells);
+            }
             if grows {
-                let cells = &self.kept.cells[begin..];
+                let cells = &kept.cells[begin..];
                 // A grid numbers its cells with 32 bits.
                 #[allow(clippy::cast_possible_truncation)]
                 let cell = |at: usize| cells[at].map(|cell| cell.index() as u32);
-                self.samples.push_all(cell, &self.kept.places[begin..]);
+                self.samples.push_all(cell, &kept.places[begin..]);
             }
         }
         Ok(all)
@@ -273,64 +364,6 @@ impl Mapper {
             self.kept.cells.push(added.and_then(Result::ok));
         }
         taken
-    }
-}
-
-/// Some points of a scan in the world, with their errors there.
-#[derive(Debug, Default)]
-struct World {
-    points: Vec<[f64; 3]>,
-    axes: Vec<[f64; 3]>,
-    covariances: Vec<[f64; 6]>,
-}
-
-impl World {
-    fn part<'s>(
-        &'s mut self,
-        scan: &'s Scan,
-        range: std::ops::Range<usize>,
-    ) -> (&'s [[f64; 3]], PointErrors<'s>) {
-        let points = &scan.points()[range.clone()];
-        let Frame::Sensor { pose } = scan.frame() else {
-            let errors = match scan.sigma() {
-                Sigma::Unknown => PointErrors::None,
-                Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
-                Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
-                Sigma::PerAxis(all) => PointErrors::Axes(&all[range]),
-                Sigma::Covariance(all) => PointErrors::Covariances(&all[range]),
-            };
-            return (points, errors);
-        };
-        points
-            .par_iter()
-            .with_min_len(1 << 13)
-            .map(|point| pose.transform(*point))
-            .collect_into_vec(&mut self.points);
-        // An error that is the same along every axis is the same in every frame.
-        let errors = match scan.sigma() {
-            Sigma::Unknown => PointErrors::None,
-            Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
-            Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
-            Sigma::PerAxis(all) => {
-                let turned =
-                    all[range].par_iter().with_min_len(1 << 13).map(|sigma| pose.rotate_sigma(*sigma));
-                turned.collect_into_vec(&mut self.axes);
-                PointErrors::Axes(&self.axes)
-            }
-            Sigma::Covariance(all) => {
-                let turned = all[range].par_iter().with_min_len(1 << 13).map(|covariance| {
-                    let mut turned = pose.rotate_covariance(*covariance);
-                    for diagonal in [0, 3, 5] {
-                        // Rounding may leave a variance of zero a little below it.
-                        turned[diagonal] = turned[diagonal].max(0.0);
-                    }
-                    turned
-                });
-                turned.collect_into_vec(&mut self.covariances);
-                PointErrors::Covariances(&self.covariances)
-            }
-        };
-        (&self.points, errors)
     }
 }
 

@@ -234,8 +234,9 @@ impl Params {
         }
     }
 
-    /// Whether points are those of the place of their cell, each with weight 1: what covariances and labels of points need.
-    pub(crate) fn by_place(&self) -> bool {
+    /// Whether points are those of the place of their cell, each with weight 1: what covariances, labels of points and
+    /// [`Mapper::streaming`](crate::Mapper::streaming) need.
+    pub fn by_place(&self) -> bool {
         self.assignment == Assignment::Voxel && self.weighting == Weighting::Uniform
     }
 

@@ -154,19 +154,11 @@ impl Measure {
             *sum = sum.wrapping_add(more);
         }
     }
-
-    /// Their mean and their root mean square distance from the plane, in metres; not finite without points.
-    pub(crate) fn mean_and_rms(&self, labeller: &Labeller) -> ([f64; 3], f64) {
-        let (points, units) = (self.points as f64, labeller.units);
-        let origin = labeller.origin.to_array();
-        let mean = [0, 1, 2].map(|i| origin[i] + self.sum[i] as f64 * units.length / points);
-        (mean, (self.squares as f64 * units.square / points).sqrt())
-    }
 }
 
 /// What lengths and squares of them are counted in: powers of two, a small share of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Units {
+struct Units {
     length: f64,
     square: f64,
 }
@@ -280,6 +272,13 @@ impl Labeller {
             }
         }
         measures
+    }
+
+    /// Where measured points of a plane are in the mean, and their root mean square distance from it, in metres; `None` without points.
+    pub fn mean_and_rms(&self, measure: &Measure) -> Option<([f64; 3], f64)> {
+        let (points, units, origin) = (measure.points as f64, self.units, self.origin.to_array());
+        let mean = [0, 1, 2].map(|i| origin[i] + measure.sum[i] as f64 * units.length / points);
+        (measure.points > 0).then(|| (mean, (measure.squares as f64 * units.square / points).sqrt()))
     }
 
     #[inline]

@@ -242,9 +242,9 @@ impl Found {
             numbers[*old] = Some(new);
         }
         let measured = |at: &usize| {
-            let (region, measure) = (self.regions[*at], measures.get(*at)?);
-            let (centroid, rms) = measure.mean_and_rms(&self.labeller);
-            Some(Region { points: measure.points, centroid, rms, ..region })
+            let measure = measures.get(*at)?;
+            let (centroid, rms) = self.labeller.mean_and_rms(measure)?;
+            Some(Region { points: measure.points, centroid, rms, ..self.regions[*at] })
         };
         self.regions = order.iter().filter_map(measured).collect();
         let share = |share: &Share| Some(Share { region: numbers[share.region as usize]?, ..*share });

@@ -23,6 +23,7 @@ pub use cells::CellPlane;
 use columns::{Columns, Near};
 pub(crate) use level::Residuals;
 pub use level::{NoiseKnot, NoiseLevel};
+pub(crate) use sightings::Sighting;
 use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.

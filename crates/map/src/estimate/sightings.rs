@@ -1,6 +1,9 @@
 //! From where each cell was seen.
 
+use terrace_grid::CellId;
+
 use crate::Mapper;
+use crate::seen::Seen;
 
 /// Some points of a cell, seen in one scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,25 +36,18 @@ pub(crate) struct Sightings {
 impl Sightings {
     pub(crate) fn of(mapper: &Mapper) -> Self {
         let cells = mapper.grid().map_or(0, terrace_grid::VoxelGrid::len);
-        let mut counts = vec![0_u32; cells];
-        let mut touched: Vec<u32> = Vec::new();
-        let mut found: Vec<(u32, Sighting)> = Vec::new();
-        let mut rest = mapper.cells_of_points();
-        for (view, seen) in (0..).zip(mapper.views()) {
-            for cell in rest.by_ref().take(seen.points).flatten() {
-                let Some(count) = counts.get_mut(cell.index()) else { continue };
-                if *count == 0 {
-                    // A grid numbers its cells with 32 bits.
-                    touched.extend(u32::try_from(cell.index()));
-                }
-                *count = count.saturating_add(1);
-            }
-            for cell in touched.drain(..) {
-                let points = std::mem::take(&mut counts[cell as usize]);
-                found.push((cell, Sighting { view, points }));
-            }
-        }
+        let mut found = match mapper.seen() {
+            Some(seen) => counted_before(mapper, seen),
+            None => counted_now(mapper, cells),
+        };
         found.sort_unstable_by_key(|(cell, sighting)| (*cell, sighting.view));
+        found.dedup_by(|(next, more), (cell, sighting)| {
+            let same = (*next, more.view) == (*cell, sighting.view);
+            if same {
+                sighting.points = sighting.points.saturating_add(more.points);
+            }
+            same
+        });
         let mut starts = vec![0_u32; cells + 1];
         for (cell, _) in &found {
             starts[*cell as usize + 1] += 1;
@@ -69,4 +65,39 @@ impl Sightings {
             _ => &[],
         }
     }
+}
+
+/// What views saw of the cells of the grid, where that was counted point by point; a cell may come several times.
+fn counted_before(mapper: &Mapper, seen: &Seen) -> Vec<(u32, Sighting)> {
+    let coarse = mapper.params().grows().and_then(|_| mapper.coarse());
+    let cell_of_grid = |cell: CellId| match coarse {
+        None => Some(cell),
+        Some(coarse) => coarse.of.get(cell.index()).copied(),
+    };
+    seen.all(mapper.views().len().saturating_sub(1))
+        .filter_map(|(cell, sighting)| Some((u32::try_from(cell_of_grid(cell)?.index()).ok()?, sighting)))
+        .collect()
+}
+
+/// The same of points that are kept.
+fn counted_now(mapper: &Mapper, cells: usize) -> Vec<(u32, Sighting)> {
+    let mut counts = vec![0_u32; cells];
+    let mut touched: Vec<u32> = Vec::new();
+    let mut found: Vec<(u32, Sighting)> = Vec::new();
+    let mut rest = mapper.cells_of_points();
+    for (view, seen) in (0..).zip(mapper.views()) {
+        for cell in rest.by_ref().take(seen.points).flatten() {
+            let Some(count) = counts.get_mut(cell.index()) else { continue };
+            if *count == 0 {
+                // A grid numbers its cells with 32 bits.
+                touched.extend(u32::try_from(cell.index()));
+            }
+            *count = count.saturating_add(1);
+        }
+        for cell in touched.drain(..) {
+            let points = std::mem::take(&mut counts[cell as usize]);
+            found.push((cell, Sighting { view, points }));
+        }
+    }
+    found
 }

@@ -26,11 +26,7 @@ pub(crate) fn joined(planes: &mut Vec<ExtractedPlane>) -> Option<Vec<Option<Plan
     }
     for at in (0..planes.len()).filter(|at| first[*at] != *at) {
         let ExtractedPlane { points, centroid, rms, .. } = planes[at];
-        let kept = &mut planes[first[at]];
-        let (a, b) = (kept.points as f64, points as f64);
-        kept.centroid = [0, 1, 2].map(|i| (a * kept.centroid[i] + b * centroid[i]) / (a + b));
-        kept.rms = ((a * kept.rms * kept.rms + b * rms * rms) / (a + b)).sqrt();
-        kept.points += points;
+        add_points(&mut planes[first[at]], points, centroid, rms);
     }
     let mut order: Vec<usize> = (0..planes.len()).filter(|at| first[*at] == *at).collect();
     order.sort_by_key(|at| std::cmp::Reverse(planes[*at].points));
@@ -42,6 +38,14 @@ pub(crate) fn joined(planes: &mut Vec<ExtractedPlane>) -> Option<Vec<Option<Plan
     let of = |at: &usize| Some(ExtractedPlane { id: anew[*at]?, ..planes[*at].clone() });
     *planes = order.iter().filter_map(of).collect();
     Some(anew)
+}
+
+/// Counts points with this mean and root mean square distance to a plane.
+pub(crate) fn add_points(plane: &mut ExtractedPlane, points: u64, centroid: [f64; 3], rms: f64) {
+    let (a, b) = (plane.points as f64, points as f64);
+    plane.centroid = [0, 1, 2].map(|i| (a * plane.centroid[i] + b * centroid[i]) / (a + b));
+    plane.rms = ((a * plane.rms * plane.rms + b * rms * rms) / (a + b)).sqrt();
+    plane.points += points;
 }
 
 /// Whether two planes are the same within their covariances. Not when one has none.

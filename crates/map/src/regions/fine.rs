@@ -14,10 +14,21 @@ pub(crate) struct Fine<'m> {
     pub(crate) cells: Vec<Cell>,
     /// The larger cell that each is a part of.
     of: Vec<CellId>,
-    /// By cell of the grid, its place among the cells; empty where that is the same for all.
-    places: Vec<Option<u32>>,
+    pub(crate) places: Places,
     /// And the other way round.
     numbers: Vec<u32>,
+}
+
+/// By cell of the grid, its place among the cells; empty where that is the same for all.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Places(Vec<Option<u32>>);
+
+impl Places {
+    /// The place among the cells of a cell of the grid.
+    #[inline]
+    pub(crate) fn of(&self, cell: CellId) -> Option<u32> {
+        if self.0.is_empty() { u32::try_from(cell.index()).ok() } else { *self.0.get(cell.index())? }
+    }
 }
 
 impl<'m> Fine<'m> {
@@ -27,7 +38,7 @@ impl<'m> Fine<'m> {
             coarse,
             cells: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
-            places: Vec::new(),
+            places: Places::default(),
             numbers: Vec::new(),
         };
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
@@ -43,19 +54,9 @@ impl<'m> Fine<'m> {
             }
         }
         if fine.cells.len() < places.len() {
-            fine.places = places;
+            fine.places = Places(places);
         }
         fine
-    }
-
-    /// The place among the cells of a cell of the grid.
-    #[inline]
-    pub(crate) fn place(&self, cell: CellId) -> Option<u32> {
-        if self.places.is_empty() {
-            u32::try_from(cell.index()).ok()
-        } else {
-            *self.places.get(cell.index())?
-        }
     }
 
     /// The cell of the grid at a place.

@@ -3,11 +3,12 @@
 mod coplanar;
 mod error_level;
 mod fine;
+mod streamed;
 
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Found, Measure, Region, find};
+use terrace_regions::{Found, Labeller, Measure, Region, find};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -20,7 +21,8 @@ use crate::{
 };
 
 use coplanar::joined;
-use fine::Fine;
+use fine::{Fine, Places};
+pub(crate) use streamed::RegionLabels;
 
 /// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
 const MOSTLY: f64 = 0.9;
@@ -49,13 +51,10 @@ impl Mapper {
         let mut grown = Grown::of(self, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let (mut labels, by_view) = grown.label_kept();
-        let mut measures = vec![Measure::default(); grown.found.regions.len()];
-        for of_view in &by_view {
-            measures.iter_mut().zip(of_view).for_each(|(sum, more)| sum.add(more));
-        }
+        let measures = summed(&by_view, grown.found.regions.len());
         let numbers = grown.found.by_measures(&measures);
         let number = |old: usize| PlaneId::from_index((*numbers.get(old)?)? as usize);
-        let (mut map, joined) = grown.planes();
+        let Planes { mut map, joined, .. } = grown.planes();
         let numbers: Vec<Option<PlaneId>> = (0..numbers.len())
             .map(|old| number(old).and_then(|id| joined.as_ref().map_or(Some(id), |anew| anew[id.index()])))
             .collect();
@@ -152,27 +151,27 @@ impl<'m> Grown<'m> {
             cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
         let of_parts: Vec<Vec<Measure>> = parts
             .map(|((cells, places), labels)| {
-                let cell = |at: usize| cells[at].and_then(|cell| self.fine.place(cell));
-                self.found.labeller.label_all(cell, places, |at, found| {
-                    labels[at] = found.and_then(|found| PlaneId::from_index(found as usize));
+                label_each(&self.found.labeller, &self.fine.places, (cells, places), labels, |region| {
+                    PlaneId::from_index(region as usize)
                 })
             })
             .collect();
-        let mut measures = vec![Measure::default(); self.found.regions.len()];
-        for of_part in &of_parts {
-            measures.iter_mut().zip(of_part).for_each(|(sum, more)| sum.add(more));
-        }
-        measures
+        summed(&of_parts, self.found.regions.len())
     }
 
-    /// The planes with their covariances, joined where that is asked for, and which plane each has become then.
-    pub(crate) fn planes(self) -> (PlaneMap, Option<Vec<Option<PlaneId>>>) {
+    /// The planes with their covariances, joined where that is asked for.
+    fn planes(self) -> Planes {
         let Self { mapper, settings, grid, used, nodes, mut errors, fine, found } = self;
         let mut owner = OwnerOfCells { nodes: &nodes, of: fine.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
         let asked = mapper.params().estimate.is_some();
         if asked || settings.join == Join::Coplanar {
             errors = owner.estimate(&mut planes, grid, used.tau, errors);
+        }
+        for plane in &mut planes {
+            if let Some(region) = found.regions.get(plane.id.index()) {
+                plane.centroid = region.centroid;
+            }
         }
         let anew = if settings.join == Join::Coplanar { joined(&mut planes) } else { None };
         if let Some(anew) = &anew {
@@ -187,6 +186,7 @@ impl<'m> Grown<'m> {
                 plane.estimate = None;
             }
         }
+        let (Fine { places, .. }, Found { labeller, .. }) = (fine, found);
         let map = PlaneMap {
             planes,
             points: mapper.len(),
@@ -197,8 +197,39 @@ impl<'m> Grown<'m> {
             cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
             optimised: Vec::new(),
         };
-        (map, anew)
+        Planes { map, joined: anew, labeller, places }
     }
+}
+
+/// The planes of regions, and what tells points of them.
+struct Planes {
+    map: PlaneMap,
+    /// Which plane each region has become, where planes were joined.
+    joined: Option<Vec<Option<PlaneId>>>,
+    labeller: Labeller,
+    places: Places,
+}
+
+/// Labels points by their cells and places, and measures them by their regions. `number` is the plane of a region.
+fn label_each(
+    labeller: &Labeller,
+    places: &Places,
+    points: (&[Option<CellId>], &[[f32; 3]]),
+    labels: &mut [Option<PlaneId>],
+    number: impl Fn(u32) -> Option<PlaneId>,
+) -> Vec<Measure> {
+    let (cells, of_points) = points;
+    let cell = |at: usize| cells[at].and_then(|cell| places.of(cell));
+    labeller.label_all(cell, of_points, |at, found| labels[at] = found.and_then(&number))
+}
+
+/// What parts of the points measure together, by region.
+fn summed(parts: &[Vec<Measure>], regions: usize) -> Vec<Measure> {
+    let mut measures = vec![Measure::default(); regions];
+    for of_part in parts {
+        measures.iter_mut().zip(of_part).for_each(|(sum, more)| sum.add(more));
+    }
+    measures
 }
 
 /// The plane that each cell is of.
@@ -260,7 +291,8 @@ fn extracted(found: &Found, owner: &OwnerOfCells) -> Vec<ExtractedPlane> {
         Some(ExtractedPlane {
             id: PlaneId::from_index(index)?,
             plane,
-            centroid: region.centroid,
+            // Where covariances begin from: the same before and after points are labelled.
+            centroid: region.point,
             normal_uncertainty: None,
             estimate: None,
             points: region.points,

@@ -1,0 +1,133 @@
+//! A cell size from a scan that comes in chunks.
+
+use terrace_noise::PoseNoise;
+use terrace_types::{Frame, Scan, Sigma};
+
+use crate::CellSizeChoice;
+use crate::cell_size::choose_by_share;
+
+/// So many points are kept at most.
+const MOST: usize = 1 << 20;
+
+/// Chooses a cell size from a scan that comes in chunks, in bounded memory: about the one that
+/// [`choose_cell_size`](crate::choose_cell_size) chooses from all of it, and the very same up to 2²⁰ points.
+///
+/// Of more points a share is kept, half a million to a million, which are drawn by their numbers: not every so-many-th, which of a scan in rows may
+/// all be in one column. The spacing of all is that of the share times its root, for points lie on surfaces; the noise is what the
+/// share shows, so it is found to about twice the spacing of the share.
+///
+/// ```
+/// use terrace::{CellSizeSample, Frame, Scan, Sigma, choose_cell_size};
+///
+/// let floor = |from: u32, to: u32| {
+///     let point = |k: u32| [0.02 * f64::from(k % 100), 0.02 * f64::from(k / 100), 0.0];
+///     Scan::new((from..to).map(point).collect(), Sigma::Unknown, Frame::World { sensor: None })
+/// };
+/// let mut sample = CellSizeSample::new(None);
+/// sample.push(&floor(0, 6000)?);
+/// sample.push(&floor(6000, 10_000)?);
+/// assert_eq!(sample.choose(), choose_cell_size(&floor(0, 10_000)?));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CellSizeSample {
+    pose: Option<PoseNoise>,
+    frame: Option<Frame>,
+    /// Points whose scrambled numbers are below a threshold, which is halved when there are too many.
+    threshold: u64,
+    numbers: Vec<u64>,
+    points: Vec<[f64; 3]>,
+    sigma: Sigma,
+    /// Points so far, absent ones included, and those that are not.
+    seen: u64,
+    present: usize,
+}
+
+impl CellSizeSample {
+    /// Of a scan whose pose is known to within `pose`, as for [`Mapper::insert_from`](crate::Mapper::insert_from).
+    pub fn new(pose: Option<PoseNoise>) -> Self {
+        Self {
+            pose,
+            frame: None,
+            threshold: u64::MAX,
+            numbers: Vec::new(),
+            points: Vec::new(),
+            sigma: Sigma::Unknown,
+            seen: 0,
+            present: 0,
+        }
+    }
+
+    /// Adds the next points. All chunks have the frame of the first; where their errors are of several kinds, those of the first kind
+    /// alone are looked at.
+    pub fn push(&mut self, chunk: &Scan) {
+        if self.frame.is_none() {
+            self.frame = Some(chunk.frame());
+            self.sigma = match chunk.sigma() {
+                Sigma::PerPoint(_) => Sigma::PerPoint(Vec::new()),
+                Sigma::PerAxis(_) => Sigma::PerAxis(Vec::new()),
+                Sigma::Covariance(_) => Sigma::Covariance(Vec::new()),
+                same => same.clone(),
+            };
+        }
+        self.present += chunk.present();
+        for (at, point) in chunk.points().iter().enumerate() {
+            let number = scrambled(self.seen);
+            self.seen += 1;
+            if number <= self.threshold {
+                self.keep(number, *point, chunk.sigma(), at);
+            }
+        }
+    }
+
+    /// The choice; `None` when there are too few points, or most are in one place.
+    pub fn choose(self) -> Option<CellSizeChoice> {
+        let Self { pose, frame, points, sigma, present, .. } = self;
+        let scan = Scan::new(points, sigma, frame?).ok()?;
+        let share = scan.present() as f64 / present as f64;
+        choose_by_share(&scan, pose.as_ref(), share)
+    }
+
+    fn keep(&mut self, number: u64, point: [f64; 3], errors: &Sigma, at: usize) {
+        match (&mut self.sigma, errors) {
+            (Sigma::PerPoint(kept), Sigma::PerPoint(all)) => kept.extend(all.get(at)),
+            (Sigma::PerAxis(kept), Sigma::PerAxis(all)) => kept.extend(all.get(at)),
+            (Sigma::Covariance(kept), Sigma::Covariance(all)) => kept.extend(all.get(at)),
+            (Sigma::Unknown | Sigma::Uniform(_), _) => {}
+            _ => return,
+        }
+        self.numbers.push(number);
+        self.points.push(point);
+        while self.points.len() > MOST {
+            self.halve();
+        }
+    }
+
+    /// Half of the share: what is left is as if it had been drawn so from the first point on.
+    fn halve(&mut self) {
+        self.threshold /= 2;
+        let stays: Vec<bool> = self.numbers.iter().map(|number| *number <= self.threshold).collect();
+        retain(&mut self.points, &stays);
+        match &mut self.sigma {
+            Sigma::Unknown | Sigma::Uniform(_) => {}
+            Sigma::PerPoint(kept) => retain(kept, &stays),
+            Sigma::PerAxis(kept) => retain(kept, &stays),
+            Sigma::Covariance(kept) => retain(kept, &stays),
+        }
+        retain(&mut self.numbers, &stays);
+    }
+}
+
+/// Leaves those in the list that stay.
+fn retain<T>(list: &mut Vec<T>, stays: &[bool]) {
+    let mut stays = stays.iter();
+    list.retain(|_| stays.next().copied().unwrap_or(false));
+}
+
+/// A number that looks drawn at random, and is the same for the same number (the finaliser of SplitMix64).
+fn scrambled(number: u64) -> u64 {
+    let mix = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mix = (mix ^ mix >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mix = (mix ^ mix >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    mix ^ mix >> 31
+}

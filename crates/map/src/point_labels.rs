@@ -1,0 +1,192 @@
+//! Labels of points that were not kept, as they are read again.
+
+use rayon::prelude::*;
+use terrace_grid::{CellId, VoxelGrid};
+use terrace_types::{Frame, PlaneId, Scan};
+
+use crate::facing::face_sensors;
+use crate::regions::RegionLabels;
+use crate::{ExtractError, Mapper, PlaneMap, Stage};
+
+/// Points that are labelled by a thread at once.
+const AT_ONCE: usize = 1 << 14;
+
+/// Tells of which plane points are that are given once more: [`Mapper::extract_streamed`].
+#[derive(Debug, Clone)]
+pub struct PointLabels<'m> {
+    mapper: &'m Mapper,
+    by: By,
+    /// Whether points are still counted.
+    counts: bool,
+}
+
+#[derive(Debug, Clone)]
+enum By {
+    /// Points were kept, and so are labels; of each view those up to a place were told.
+    Kept {
+        labels: Vec<Option<PlaneId>>,
+        told: Vec<usize>,
+    },
+    /// The plane of each cell, and how many points of each plane each view saw.
+    Cells {
+        planes: Vec<Option<PlaneId>>,
+        seen: Vec<Vec<u64>>,
+    },
+    Regions(RegionLabels),
+}
+
+impl Mapper {
+    /// The planes of what was inserted so far, without the labels of points, and what labels the points when they are given once more.
+    ///
+    /// Of regions `points`, `centroid` and `rms` are then what samples of the points say, up to sixteen of each cell of half the edge, and
+    /// so is the order of the planes, which stays. No plane faces its sensors yet. [`PointLabels::finish`] makes up for that, but for
+    /// the order, and for planes with fewer points than [`min_points`](crate::Grown::min_points) in the end, which stay. Where no cell
+    /// has more points than its sample, the result is that of [`Mapper::extract`].
+    ///
+    /// ```
+    /// use terrace::{Frame, Mapper, Params, Scan, Sigma};
+    ///
+    /// // A floor that comes in ten chunks.
+    /// let chunk = |i: u32| {
+    ///     let point = |k: u32| [0.02 * f64::from(k % 100), 0.02 * f64::from(10 * i + k / 100), 0.0];
+    ///     let frame = Frame::World { sensor: Some([1.0, 1.0, 1.0]) };
+    ///     Scan::new((0..1000).map(point).collect(), Sigma::Uniform(0.005), frame)
+    /// };
+    /// let mut mapper = Mapper::streaming(Params { cell_size: Some(0.1), ..Params::default() })?;
+    /// mapper.insert(&chunk(0)?)?;
+    /// for i in 1..10 {
+    ///     mapper.insert_more(&chunk(i)?)?;
+    /// }
+    /// let (mut map, mut labels) = mapper.extract_streamed(|_| {})?;
+    /// let (mut of_chunk, mut labelled) = (Vec::new(), 0);
+    /// for i in 0..10 {
+    ///     labels.label(0, &chunk(i)?, &mut of_chunk);
+    ///     labelled += of_chunk.iter().flatten().count();
+    /// }
+    /// labels.finish(&mut map);
+    /// assert_eq!((map.planes.len(), map.summary().labelled), (1, labelled));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Mapper::extract`].
+    pub fn extract_streamed(
+        &self,
+        begins: impl FnMut(Stage),
+    ) -> Result<(PlaneMap, PointLabels<'_>), ExtractError> {
+        let views = self.views().len();
+        let (map, by) = match self.params().grows() {
+            _ if !self.is_streaming() => {
+                let mut map = self.extract_observed(begins)?;
+                let labels = std::mem::take(&mut map.labels);
+                (map, By::Kept { labels, told: vec![0; views] })
+            }
+            Some(regions) => {
+                let (map, labels) = self.regions_streamed(&regions, begins)?;
+                (map, By::Regions(labels))
+            }
+            None => {
+                let (map, planes) = self.clusters(begins)?;
+                let seen = vec![vec![0; map.planes.len()]; views];
+                (map, By::Cells { planes, seen })
+            }
+        };
+        Ok((map, PointLabels { mapper: self, by, counts: true }))
+    }
+}
+
+impl PointLabels<'_> {
+    /// Puts the plane of each point of a chunk into `labels`, in place of what is there. `view` is the number of its scan in the order
+    /// of insertion, from 0. All points of all scans are to be given once before [`finish`](Self::finish), chunks of any size; those of a
+    /// scan, where a map keeps its points, in the order of insertion.
+    pub fn label(&mut self, view: usize, chunk: &Scan, labels: &mut Vec<Option<PlaneId>>) {
+        labels.clear();
+        labels.resize(chunk.len(), None);
+        let Some(grid) = self.mapper.fine() else { return };
+        match &mut self.by {
+            By::Kept { labels: kept, told } => {
+                let views = self.mapper.views();
+                let before: usize = views.iter().take(view).map(|view| view.points).sum();
+                let (Some(told), Some(of)) = (told.get_mut(view), views.get(view)) else { return };
+                if *told >= of.points {
+                    *told = 0;
+                }
+                let known = kept.iter().skip(before + *told).take(of.points - *told);
+                labels.iter_mut().zip(known).for_each(|(label, known)| *label = *known);
+                *told += chunk.len();
+            }
+            By::Cells { planes, seen } => {
+                let plane = |cell: &Option<CellId>| planes.get((*cell)?.index()).copied().flatten();
+                in_parts(grid, chunk, labels, |cells, _, labels| {
+                    labels.iter_mut().zip(cells).for_each(|(label, cell)| *label = plane(cell));
+                });
+                if let Some(seen) = seen.get_mut(view).filter(|_| self.counts) {
+                    for id in labels.iter().flatten() {
+                        if let Some(points) = seen.get_mut(id.index()) {
+                            *points += 1;
+                        }
+                    }
+                }
+            }
+            By::Regions(regions) => {
+                let measures = in_parts(grid, chunk, labels, |cells, places, labels| {
+                    regions.label(cells, places, labels)
+                });
+                for of_part in measures.iter().filter(|_| self.counts) {
+                    regions.add(view, of_part);
+                }
+            }
+        }
+    }
+
+    /// Gives the planes their points as they were labelled one by one, and turns them to the sensors that saw them. What is labelled
+    /// afterwards is not counted: points can be given again, to be drawn or outlined.
+    pub fn finish(&mut self, map: &mut PlaneMap) {
+        if !std::mem::take(&mut self.counts) {
+            return;
+        }
+        match &self.by {
+            By::Kept { .. } => {}
+            By::Cells { seen, .. } => face_sensors(&mut map.planes, seen, self.mapper.views()),
+            By::Regions(regions) => {
+                let seen = regions.finish(&mut map.planes);
+                face_sensors(&mut map.planes, &seen, self.mapper.views());
+            }
+        }
+    }
+}
+
+/// Memory of a thread.
+#[derive(Default)]
+struct Part {
+    world: Vec<[f64; 3]>,
+    cells: Vec<Option<CellId>>,
+    places: Vec<[f32; 3]>,
+}
+
+/// Finds the cells and places of points, and hands them out together with their labels, on all threads.
+fn in_parts<T: Send>(
+    grid: &VoxelGrid,
+    chunk: &Scan,
+    labels: &mut [Option<PlaneId>],
+    label: impl Fn(&[Option<CellId>], &[[f32; 3]], &mut [Option<PlaneId>]) -> T + Sync,
+) -> Vec<T> {
+    let frame = chunk.frame();
+    let parts = chunk.points().par_chunks(AT_ONCE).zip(labels.par_chunks_mut(AT_ONCE));
+    let of_part = |part: &mut Part, (points, labels): (&[[f64; 3]], &mut [Option<PlaneId>])| {
+        let Part { world, cells, places } = part;
+        let points = match frame {
+            Frame::World { .. } => points,
+            Frame::Sensor { pose } => {
+                world.clear();
+                world.extend(points.iter().map(|point| pose.transform(*point)));
+                world
+            }
+        };
+        cells.clear();
+        places.clear();
+        grid.find_all(points, cells, places);
+        label(cells, places, labels)
+    };
+    parts.map_init(Part::default, of_part).collect()
+}

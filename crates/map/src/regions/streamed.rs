@@ -1,0 +1,78 @@
+//! Regions whose points are not kept: planes first, labels as the points are read again.
+
+use terrace_grid::CellId;
+use terrace_regions::{Labeller, Measure};
+use terrace_types::PlaneId;
+
+use super::coplanar::add_points;
+use super::fine::Places;
+use super::{Grown, Planes, label_each, renumbered, summed};
+use crate::{ExtractError, ExtractedPlane, Mapper, PlaneMap, Regions, Stage};
+
+/// Tells points of regions, and measures those it has told.
+#[derive(Debug, Clone)]
+pub(crate) struct RegionLabels {
+    labeller: Labeller,
+    places: Places,
+    /// The plane of each region.
+    numbers: Vec<Option<PlaneId>>,
+    /// The points of each region that each view saw.
+    by_view: Vec<Vec<Measure>>,
+}
+
+impl Mapper {
+    /// The planes as regions, with points as they are told by samples, and what tells the points.
+    pub(crate) fn regions_streamed(
+        &self,
+        settings: &Regions,
+        mut begins: impl FnMut(Stage),
+    ) -> Result<(PlaneMap, RegionLabels), ExtractError> {
+        let grown = Grown::of(self, settings, &mut begins)?;
+        begins(Stage::Label { points: self.len() });
+        let regions = grown.found.regions.len();
+        let Planes { map, joined, labeller, places } = grown.planes();
+        let numbers = joined.unwrap_or_else(|| (0..regions).map(PlaneId::from_index).collect());
+        let by_view = vec![vec![Measure::default(); regions]; self.views().len()];
+        Ok((map, RegionLabels { labeller, places, numbers, by_view }))
+    }
+}
+
+impl RegionLabels {
+    /// Labels points by their cells and places, and measures them.
+    pub(crate) fn label(
+        &self,
+        cells: &[Option<CellId>],
+        places: &[[f32; 3]],
+        labels: &mut [Option<PlaneId>],
+    ) -> Vec<Measure> {
+        let number = |region: u32| self.numbers.get(region as usize).copied().flatten();
+        label_each(&self.labeller, &self.places, (cells, places), labels, number)
+    }
+
+    /// Adds what points of a view measure.
+    pub(crate) fn add(&mut self, view: usize, measures: &[Measure]) {
+        if let Some(sums) = self.by_view.get_mut(view) {
+            sums.iter_mut().zip(measures).for_each(|(sum, more)| sum.add(more));
+        }
+    }
+
+    /// Gives the planes the points that were labelled, and tells how many of each plane each view saw.
+    pub(crate) fn finish(&self, planes: &mut [ExtractedPlane]) -> Vec<Vec<u64>> {
+        let measures = summed(&self.by_view, self.numbers.len());
+        for plane in &mut *planes {
+            plane.points = 0;
+        }
+        for (measure, number) in measures.iter().zip(&self.numbers) {
+            let plane = number.and_then(|number| planes.get_mut(number.index()));
+            let (Some(plane), Some((mean, rms))) = (plane, self.labeller.mean_and_rms(measure)) else {
+                continue;
+            };
+            if plane.points == 0 {
+                (plane.points, plane.centroid, plane.rms) = (measure.points, mean, rms);
+            } else {
+                add_points(plane, measure.points, mean, rms);
+            }
+        }
+        renumbered(&self.by_view, &self.numbers, planes.len())
+    }
+}
