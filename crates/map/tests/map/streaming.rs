@@ -53,7 +53,9 @@ fn planes_and_labels_are_those_of_a_map_that_keeps_points() {
     for params in [Params::default(), Params::clusters()] {
         let params = Params { cell_size: Some(0.12), ..params };
         let mut keeping = Mapper::new(params).unwrap();
-        scans.iter().for_each(|scan| drop(keeping.insert(scan).unwrap()));
+        for scan in &scans {
+            keeping.insert(scan).unwrap();
+        }
         let kept = keeping.extract().unwrap();
         check_sound(&kept);
         for size in [1_000, 100_000] {
