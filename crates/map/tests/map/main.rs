@@ -15,5 +15,6 @@ mod optimisation;
 mod params;
 mod planes;
 mod regions;
+mod streaming;
 mod tune;
 mod weighting;
