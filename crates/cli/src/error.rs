@@ -13,6 +13,9 @@ pub enum CliError {
     /// A parameter is out of its range.
     #[error(transparent)]
     Params(#[from] terrace::ParamsError),
+    /// There is no map that forgets its points.
+    #[error(transparent)]
+    Streaming(#[from] terrace::StreamingError),
     /// The intrinsics cannot be read.
     #[error("--intrinsics: {0}")]
     Intrinsics(String),
@@ -89,6 +92,7 @@ impl CliError {
         match self {
             Self::Usage(_)
             | Self::Params(_)
+            | Self::Streaming(_)
             | Self::Intrinsics(_)
             | Self::Synth(_)
             | Self::TuneOption { .. }

@@ -97,6 +97,11 @@ impl FileBytes {
         Self { file, length, buffer: Vec::new(), filled: 0, from: 0 }
     }
 
+    /// About how many of the bytes were read so far.
+    pub(crate) fn reached(&self) -> u64 {
+        self.from.saturating_add(self.filled as u64).min(self.length)
+    }
+
     /// Makes the buffer start at `at` and hold `size` bytes at least.
     fn fill(&mut self, at: u64, size: usize) -> io::Result<()> {
         let held = at.checked_sub(self.from).and_then(|skip| usize::try_from(skip).ok());

@@ -95,6 +95,11 @@ impl Points {
         }
     }
 
+    /// About how many bytes of the file were read so far.
+    pub(crate) fn reached(&self) -> u64 {
+        self.bytes.reached()
+    }
+
     /// The pose of the sensor, when the file has one.
     pub(crate) fn viewpoint(&self) -> Option<Pose> {
         match &self.format {

@@ -44,6 +44,8 @@ pub struct ScanReader {
     path: PathBuf,
     points: Chunks,
     frame: Frame,
+    /// Bytes of the file.
+    length: u64,
     noise: Option<SensorNoise>,
     /// Most points of a chunk.
     size: usize,
@@ -84,10 +86,12 @@ impl ScanReader {
                     (Chunks::Depth(Some(points)), Some(count), frame)
                 }
             };
+            let length = std::fs::metadata(&source.path).map_err(ReadErrorKind::Io)?.len();
             Ok(Self {
                 path: source.path.clone(),
                 points,
                 frame,
+                length,
                 noise: match options.errors {
                     ErrorSource::FromFile(_) => None,
                     ErrorSource::Model(noise) => Some(noise),
@@ -127,6 +131,15 @@ impl ScanReader {
     /// tell. It may be wrong until the end of the file was reached without an error.
     pub fn points(&self) -> Option<u64> {
         self.promised
+    }
+
+    /// About how many bytes of the file were read so far, for people who wait: what can only be read as a whole is read before its first
+    /// point is given.
+    pub fn bytes_read(&self) -> u64 {
+        match &self.points {
+            Chunks::Cloud(points) => points.reached(),
+            Chunks::Depth(_) => self.length,
+        }
     }
 
     /// The frame of all chunks.

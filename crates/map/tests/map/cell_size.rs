@@ -2,7 +2,7 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace::{CellSizeChoice, Sigma, choose_cell_size};
+use terrace::{CellSizeChoice, CellSizeSample, Mapper, Params, Scan, Sigma, choose_cell_size};
 
 use crate::common::{cloud, gauss, lattice, turned, unknown};
 
@@ -129,4 +129,67 @@ fn the_cell_size_scales_with_the_cloud() {
         close(other.spacing, k * one.spacing, 1e-9);
         close(other.sigma, k * one.sigma, 1e-6);
     }
+}
+
+fn sampled(scan: &Scan, size: usize) -> CellSizeChoice {
+    let mut sample = CellSizeSample::new(None);
+    for (points, sigma) in scan.points().chunks(size).zip(0..) {
+        let range = size * sigma..size * sigma + points.len();
+        let sigma = match scan.sigma() {
+            Sigma::PerPoint(all) => Sigma::PerPoint(all[range].to_vec()),
+            same => same.clone(),
+        };
+        sample.push(&Scan::new(points.to_vec(), sigma, scan.frame()).unwrap());
+    }
+    sample.choose().unwrap()
+}
+
+#[test]
+fn chunks_show_the_cell_size_of_the_whole() {
+    let mut points = sheet(100, 0.02);
+    points.push([f64::NAN; 3]);
+    let sigma = (0..points.len()).map(|k| if k % 3 == 0 { 0.05 } else { 0.001 }).collect();
+    for scan in [unknown(&points), cloud(points, Sigma::PerPoint(sigma))] {
+        for size in [1, 999, 100_000] {
+            assert_eq!(Some(sampled(&scan, size)), choose_cell_size(&scan));
+        }
+    }
+}
+
+#[test]
+fn a_share_of_many_points_shows_the_spacing_of_all() {
+    // In rows of a power of two: every so-many-th would be of few columns.
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let points: Vec<_> = (0..1 << 22)
+        .map(|k: u32| {
+            let (row, column) = (f64::from(k / 2048), f64::from(k % 2048));
+            [0.002 * row, 0.002 * column, 2e-4 * gauss(&mut rng)]
+        })
+        .collect();
+    let scan = cloud(points, Sigma::Uniform(1e-4));
+    let share = sampled(&scan, 1 << 18);
+    close(share.spacing, 0.002, 0.2);
+    close(share.sigma, 2e-4, 0.3);
+    for size in [1 << 20, 12_345] {
+        assert_eq!(sampled(&scan, size), share);
+    }
+}
+
+#[test]
+fn a_choice_made_beforehand_counts_until_there_is_one() {
+    let [fine, coarse] = [0.02, 0.05].map(|spacing| choice(&sheet(60, spacing)));
+    let scan = unknown(&sheet(60, 0.02));
+    let mut mapper = Mapper::new(Params::default()).unwrap();
+    assert!(mapper.wants_cell_size());
+    mapper.begin_with(coarse).unwrap();
+    mapper.begin_with(fine).unwrap();
+    mapper.insert(&scan).unwrap();
+    assert_eq!(mapper.chosen_cell_size(), Some(coarse));
+    let used = mapper.extract().unwrap().used;
+    assert_eq!((used.cell_size, used.chosen), (coarse.cell_size, Some(coarse)));
+
+    let mut given = Mapper::new(Params { cell_size: Some(0.1), ..Params::default() }).unwrap();
+    given.begin_with(fine).unwrap();
+    given.insert(&scan).unwrap();
+    assert_eq!((given.chosen_cell_size(), given.extract().unwrap().used.cell_size), (None, 0.1));
 }

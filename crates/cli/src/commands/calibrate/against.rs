@@ -30,7 +30,8 @@ pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
     let mut progress = Progress::new(args.quiet);
     let mut mapper = Mapper::new(params(args, 0.0))?;
     let (used, skipped) = insert_all(&mut mapper, &sources, &options, &mut progress)?;
-    let map = extract_timed(&mapper, &mut progress, &mut terrace_io::planes_json::Timings::default())?;
+    let extract = |begins: &mut dyn FnMut(_)| mapper.extract_observed(begins);
+    let map = extract_timed(extract, &mut progress, &mut terrace_io::planes_json::Timings::default())?;
     drop(mapper);
     let (cell_size, tau) = (map.used.cell_size, map.used.tau);
     let places: Vec<Value> = map

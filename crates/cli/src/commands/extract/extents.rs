@@ -8,9 +8,11 @@ use terrace::{ExtractedPlane, PlaneId, PlaneMap};
 use terrace_extent::{
     ExtentError, Footprint, MOST_PIXELS, Mesh, OutlineOptions, PlaneExtent, PlaneFrame, suggested_resolution,
 };
-use terrace_io::{ReadOptions, WriteError, palette, write_atomically};
+use terrace_io::planes_json::Timings;
+use terrace_io::{WriteError, palette, write_atomically};
 
-use super::inputs::{Inputs, labelled_points};
+use super::again::{Again, labelled};
+use super::inputs::Inputs;
 use crate::error::CliError;
 use crate::progress::Progress;
 
@@ -26,9 +28,6 @@ const SPACINGS_PER_CELL: f64 = 5.0;
 
 /// Parts of the largest coordinate that no spacing is smaller than: some thousand times what a double tells apart.
 const PARTS: f64 = (1_u64 << 40) as f64;
-
-/// Points between two looks at the progress bar.
-const STRIDE: usize = 1 << 12;
 
 /// What is known of how far the planes of a map reach.
 pub struct Extents {
@@ -67,15 +66,10 @@ impl Extents {
     ///
     /// # Errors
     /// [`CliError`] when a file cannot be read again. A plane that cannot be outlined is reported and has no extent.
-    pub fn of(
-        map: &PlaneMap,
-        inputs: &Inputs,
-        read: &ReadOptions,
-        progress: &mut Progress,
-    ) -> Result<Self, CliError> {
-        let spacing = spacing(map, inputs);
+    pub fn of(map: &PlaneMap, again: &mut Again, progress: &mut Progress) -> Result<Self, CliError> {
+        let spacing = spacing(map, again.inputs);
         let options = OutlineOptions::for_spacing(spacing);
-        let footprints = footprints(map, inputs, read, spacing, progress)?;
+        let footprints = footprints(map, again, spacing, progress)?;
         progress.begin("outlines", footprints.len());
         let outlined: Vec<_> = footprints
             .into_par_iter()
@@ -148,8 +142,7 @@ fn spacing(map: &PlaneMap, inputs: &Inputs) -> f64 {
 /// Where the points of each plane are.
 fn footprints(
     map: &PlaneMap,
-    inputs: &Inputs,
-    read: &ReadOptions,
+    again: &mut Again,
     spacing: f64,
     progress: &mut Progress,
 ) -> Result<Vec<Result<Footprint, ExtentError>>, CliError> {
@@ -162,18 +155,17 @@ fn footprints(
         Footprint::with_max_pixels(frame, suggested_resolution(spacing), pixels)
     };
     let mut footprints: Vec<_> = map.planes.iter().map(empty).collect();
-    progress.begin("extents", map.labels.len());
-    let mut failed = None;
-    for (k, point) in labelled_points(inputs, read, map, &mut failed).enumerate() {
-        // The bar asks for the time whenever it moves, which at every point is a tenth of the pass.
-        if k % STRIDE == 0 {
-            progress.advance(STRIDE);
+    again.read("extents", progress, &mut Timings::default(), |scan, labels| {
+        for point in labelled(scan, labels) {
+            let place = point.plane.and_then(|plane| footprints.get_mut(plane.index()));
+            if let Some(place) = place
+                && let Ok(footprint) = place
+                && let Err(e) = footprint.add(point.position)
+            {
+                *place = Err(e);
+            }
         }
-        let Some(place) = point.plane.and_then(|plane| footprints.get_mut(plane.index())) else { continue };
-        let Ok(footprint) = place else { continue };
-        if let Err(e) = footprint.add(point.position) {
-            *place = Err(e);
-        }
-    }
-    failed.map_or(Ok(footprints), Err)
+        Ok(())
+    })?;
+    Ok(footprints)
 }

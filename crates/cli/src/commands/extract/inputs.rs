@@ -1,22 +1,17 @@
 //! The inputs of `extract`: how they are read, and what became of them.
 
 use std::path::Path;
-use std::time::Instant;
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use terrace::{Frame, Inserted, Mapper, PlaneId, PlaneMap, Scan, Sigma};
-use terrace_io::planes_json::Timings;
 use terrace_io::{
-    Counted, ErrorSource, FieldChoice, Intrinsics, LabelledPoint, PlyExtent, ReadError, ReadOptions, Source,
-    find_sources, find_uncertain_sources, read_scan,
+    ErrorSource, FieldChoice, Intrinsics, PlyExtent, ReadOptions, Source, find_sources,
+    find_uncertain_sources,
 };
 use terrace_noise::{PoseSigma, SensorNoise, Uniform};
 
 use crate::args::ReadArgs;
 use crate::error::CliError;
 use crate::extract_args::ExtractArgs;
-use crate::progress::Progress;
 
 /// How files are read, from the arguments.
 pub fn read_options(args: &ReadArgs) -> Result<ReadOptions, CliError> {
@@ -65,25 +60,61 @@ pub fn sources(
     Ok(sources)
 }
 
-/// The inputs that were used, with their number of points, and those that were not, with the reason.
+/// The inputs that were used, with their number of points, and those that were not, or not to their end, with the reason.
 #[derive(Default)]
 pub struct Inputs {
-    used: Vec<(Source, usize)>,
+    used: Vec<Source>,
+    points: Vec<usize>,
+    /// The number of an input that was used to where it could be read.
+    in_part: Vec<(usize, String)>,
     skipped: Vec<(Source, String)>,
-    extent: PlyExtent,
-    errors_known: bool,
-    not_measured: usize,
+    pub(super) extent: PlyExtent,
+    pub(super) errors_known: bool,
+    pub(super) not_measured: usize,
 }
 
 impl Inputs {
+    /// Adds an input that was used with so many points; for one that could not be read to its end, the reason.
+    pub(super) fn take(&mut self, source: &Source, points: usize, cut: Option<String>) {
+        self.in_part.extend(cut.map(|reason| (self.used.len(), reason)));
+        self.used.push(source.clone());
+        self.points.push(points);
+    }
+
+    /// Adds an input that was not used.
+    pub(super) fn skip(&mut self, source: &Source, reason: String) {
+        self.skipped.push((source.clone(), reason));
+    }
+
     /// Number of inputs that were used.
     pub fn used(&self) -> usize {
         self.used.len()
     }
 
+    /// The inputs that were used, in order.
+    pub fn sources(&self) -> &[Source] {
+        &self.used
+    }
+
+    /// How many points of an input were used, and whether these are all.
+    pub fn points_of(&self, number: usize) -> (usize, bool) {
+        let whole = self.in_part.iter().all(|(cut, _)| *cut != number);
+        (self.points.get(number).copied().unwrap_or(0), whole)
+    }
+
+    /// Points of all inputs.
+    pub fn points(&self) -> usize {
+        self.points.iter().sum()
+    }
+
     /// Number of inputs that were not.
     pub fn skipped(&self) -> usize {
         self.skipped.len()
+    }
+
+    /// Why the last of these was not.
+    pub fn last_skipped(&self) -> Option<&str> {
+        self.skipped.last().map(|(_, reason)| reason.as_str())
     }
 
     /// What the present points span.
@@ -116,10 +147,19 @@ impl Inputs {
             .map(|sigma| json!({ "translation": sigma.translation(), "rotation": sigma.rotation() }));
         let skipped: Vec<_> =
             self.skipped.iter().map(|(s, why)| json!({ "input": s.path, "reason": why })).collect();
+        let in_part: Vec<_> = self
+            .in_part
+            .iter()
+            .filter_map(|(number, why)| {
+                let (points, _) = self.points_of(*number);
+                Some(json!({ "input": self.used.get(*number)?.path, "points": points, "reason": why }))
+            })
+            .collect();
         let entries = [
             ("preset", json!(args.preset.name())),
             ("inputs", json!(self.used.len())),
             ("inputs_skipped", json!(skipped)),
+            ("inputs_in_part", json!(in_part)),
             ("errors", errors),
             ("pose_sigma", json!(pose_sigma)),
             ("pose_covariances", json!(args.pose_covariances)),
@@ -137,116 +177,4 @@ pub fn not_measured(points: usize) -> Option<String> {
              or too far away for an error"
         )
     })
-}
-
-/// Reads the sources with `read`, as many at a time as there are threads, and inserts them in order. A source that cannot be read
-/// is reported and left out.
-///
-/// # Errors
-/// [`CliError`] when none could be used, or the map refuses a scan.
-pub fn insert_all(
-    mapper: &mut Mapper,
-    sources: &[Source],
-    read: impl Fn(&Source) -> Result<Counted, ReadError> + Sync,
-    progress: &mut Progress,
-    timings: &mut Timings,
-) -> Result<Inputs, CliError> {
-    let mut inputs = Inputs::default();
-    progress.begin("reading", sources.len());
-    for batch in sources.chunks(rayon::current_num_threads()) {
-        let reading = Instant::now();
-        let scans: Vec<_> = batch.par_iter().map(&read).collect();
-        timings.load += reading.elapsed().as_secs_f64();
-        let inserting = Instant::now();
-        for (source, scan) in batch.iter().zip(scans) {
-            let outcome = scan.map_err(|e| e.to_string()).and_then(|scan| {
-                insert(mapper, source, &scan, &mut inputs)
-                    .map_err(|e| format!("{}: {e}", source.path.display()))
-            });
-            match outcome {
-                Ok((count, inserted)) => {
-                    if let Some(first) = inserted.first_refusal {
-                        let (left_out, path) = (inserted.out_of_range, source.path.display());
-                        progress.warn(&format!("{path}: {left_out} points left out; the first: {first}"));
-                    }
-                    inputs.used.push((source.clone(), count));
-                }
-                Err(reason) => {
-                    progress.warn(&format!("left out: {reason}"));
-                    inputs.skipped.push((source.clone(), reason));
-                }
-            }
-            progress.advance(1);
-        }
-        timings.grid += inserting.elapsed().as_secs_f64();
-    }
-    match inputs.skipped.pop() {
-        Some((_, last)) if inputs.used.is_empty() => {
-            Err(CliError::NothingUsable { inputs: sources.len(), last })
-        }
-        popped => {
-            inputs.skipped.extend(popped);
-            Ok(inputs)
-        }
-    }
-}
-
-fn insert(
-    mapper: &mut Mapper,
-    source: &Source,
-    Counted { scan, not_measured }: &Counted,
-    inputs: &mut Inputs,
-) -> Result<(usize, Inserted), String> {
-    if source.pose_noise.is_some() && !has_pose(source, scan) {
-        return Err("the pose of the scan is said to be uncertain, but it is not known: give --poses, or a PCD with a \
-                    VIEWPOINT"
-            .to_owned());
-    }
-    let inserted = mapper.insert_from(scan, source.pose_noise).map_err(|e| e.to_string())?;
-    inputs.not_measured += not_measured;
-    let extent = PlyExtent::of(scan.world_points().flatten().map(|p| p.position));
-    inputs.extent.points += extent.points;
-    inputs.extent.largest = inputs.extent.largest.max(extent.largest);
-    inputs.errors_known |= !matches!(scan.sigma(), Sigma::Unknown);
-    Ok((scan.len(), inserted))
-}
-
-/// Whether it is known where the sensor stood, and not only taken as the origin.
-fn has_pose(source: &Source, scan: &Scan) -> bool {
-    source.pose.is_some() || matches!(scan.frame(), Frame::World { sensor: Some(_) })
-}
-
-/// The present points of all inputs with their labels, read again from the files. Ends early, with the reason in
-/// `failed`, when a file cannot be read or no longer has as many points.
-pub fn labelled_points<'a>(
-    inputs: &'a Inputs,
-    options: &'a ReadOptions,
-    map: &'a PlaneMap,
-    failed: &'a mut Option<CliError>,
-) -> impl Iterator<Item = LabelledPoint> + 'a {
-    let mut labels = map.labels.as_slice();
-    inputs
-        .used
-        .iter()
-        .map_while(move |(source, count)| {
-            let (of_scan, rest) = labels.split_at_checked(*count)?;
-            labels = rest;
-            match read_scan(source, options) {
-                Ok(scan) if scan.len() == *count => Some(label_scan(&scan, of_scan)),
-                Ok(_) => {
-                    *failed = Some(CliError::Changed { path: source.path.clone() });
-                    None
-                }
-                Err(error) => {
-                    *failed = Some(error.into());
-                    None
-                }
-            }
-        })
-        .flatten()
-}
-
-fn label_scan(scan: &Scan, labels: &[Option<PlaneId>]) -> Vec<LabelledPoint> {
-    let points = scan.world_points().zip(labels);
-    points.filter_map(|(p, plane)| Some(LabelledPoint { position: p?.position, plane: *plane })).collect()
 }

@@ -1,29 +1,41 @@
 //! `terrace extract`: scans in, planes out.
+//!
+//! The inputs are read twice, in chunks: for the planes, and then for the label of each point. Memory grows with the cells that hold a
+//! point, not with the points.
 
+mod again;
+mod chunks;
 mod extents;
+mod first_pass;
 mod inputs;
 mod mesh_file;
+mod params;
+mod stages;
 mod summary;
 
 use std::path::Path;
 use std::time::Instant;
 
-use terrace::{CostForm, Mapper, Optimise, Params, PlaneMap, Search, Stage};
+use terrace::{Mapper, PlaneMap};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
-use terrace_io::{ReadOptions, read_counted, write_labelled_ply, write_labels_npy};
+use terrace_io::{LabelsWriter, PlyWriter};
 
-use crate::args::{Cost, SearchMethod};
 use crate::error::CliError;
 use crate::extract_args::ExtractArgs;
 use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
 use crate::report;
 
+use again::{Again, Labelled, labelled};
+pub use chunks::Reading;
 use extents::Extents;
-use inputs::{Inputs, labelled_points};
-pub use inputs::{insert_all, intrinsics, not_measured, read_options, sources};
+pub use first_pass::insert_all;
+use inputs::Inputs;
+pub use inputs::{intrinsics, not_measured, read_options, sources};
 pub use mesh_file::MeshFile;
+use params::params;
+pub use stages::extract_timed;
 
 /// Runs on a pool of its own, so that `--threads` holds for everything.
 pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
@@ -37,38 +49,34 @@ pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
 fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     let start = Instant::now();
     let options = read_options(&args.read)?;
-    let mut mapper = Mapper::new(params(args)?)?;
+    let mut mapper = mapper(args)?;
     let sources =
         sources(&args.inputs, args.poses.as_deref(), args.pose_covariances.as_deref(), args.pose_sigma)?;
     let mut progress = Progress::new(args.quiet);
     let mut timings = Timings::default();
 
-    let inputs = insert_all(
-        &mut mapper,
-        &sources,
-        |source| read_counted(source, &options),
-        &mut progress,
-        &mut timings,
-    )?;
+    let reading = Reading::with(&options);
+    let inputs = insert_all(&mut mapper, &sources, reading, &mut progress, &mut timings)?;
     if let Some(warning) = not_measured(inputs.not_measured()) {
         progress.warn(&warning);
     }
-    let map = extract_timed(&mapper, &mut progress, &mut timings)?;
-    let extents = outline(args, &map, &inputs, &options, &mut progress, &mut timings)?;
+    let extract = |begins: &mut dyn FnMut(_)| mapper.extract_streamed(begins);
+    let (mut map, mut labels) = extract_timed(extract, &mut progress, &mut timings)?;
 
+    let mut again = Again { inputs: &inputs, reading, labels: &mut labels };
+    let (points, bounds) = label(args, &mut again, &mut progress, &mut timings)?;
+    again.labels.finish(&mut map);
+    let extents = outline(args, &map, &mut again, &mut progress, &mut timings)?;
     let writing = Instant::now();
+    if let Some(bounds) = bounds.filter(|_| args.picture) {
+        write_picture(&args.out.join("planes.png"), bounds, &map, &mut again, args.up, &mut progress)?;
+    }
     progress.spin("writing");
-    write_labels_npy(&args.out.join("labels.npy"), map.labels.iter().copied(), map.labels.len() as u64)?;
-    if !args.no_points {
-        write_points(&args.out.join("points.ply"), &inputs, &options, &map, &mut progress)?;
-    }
-    if args.picture {
-        write_picture(&args.out.join("planes.png"), &inputs, &options, &map, args.up)?;
-    }
+    points.finish()?;
     if let Some(extents) = &extents {
         write_extents(extents, args, &mut progress)?;
     }
-    timings.write = writing.elapsed().as_secs_f64();
+    timings.write += writing.elapsed().as_secs_f64();
     timings.total = start.elapsed().as_secs_f64();
     let area = |plane| extents.as_ref()?.area(plane);
     report::planes_file(&map, area, inputs.parameters(args), timings).write(&args.out.join("planes.json"))?;
@@ -79,111 +87,45 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-fn params(args: &ExtractArgs) -> Result<Params, CliError> {
-    let mut params = args.preset.params();
-    match (&mut params.regions, args.about_regions(), args.about_clusters()) {
-        (Some(_), _, Some(option)) => {
-            return Err(CliError::Usage(format!("{option} is about clusters: add --preset clusters")));
-        }
-        (None, Some(option), _) => {
-            return Err(CliError::Usage(format!(
-                "{option} is about regions, which --preset {} does not grow",
-                args.preset.name()
-            )));
-        }
-        (Some(regions), ..) => {
-            regions.join = args.join.map_or(regions.join, Into::into);
-            regions.min_points = args.min_points.or(regions.min_points);
-            regions.min_area = args.min_area.or(regions.min_area);
-            regions.tilt = args.max_tilt.unwrap_or(regions.tilt);
-            regions.reach = args.reach.unwrap_or(regions.reach);
-            // The model of a sensor leaves out its distortion.
-            regions.errors_are_complete = args.read.sensor.is_none();
-        }
-        (None, None, _) => {}
-    }
-    params.cell_size = args.cell.or(params.cell_size);
-    params.tau = args.tau.or(params.tau);
-    params.phi = args.phi.unwrap_or(params.phi);
-    params.omega = args.omega.unwrap_or(params.omega);
-    params.depth = args.depth.unwrap_or(params.depth);
-    params.min_cells = args.min_cells.unwrap_or(params.min_cells);
-    params.seed = args.seed;
-    if args.no_covariance {
-        params.estimate = None;
-    }
-    if let Some(floor) = args.floor {
-        let Some(estimate) = &mut params.estimate else {
-            return Err(CliError::Usage(
-                "--floor is part of the covariance of planes, which --preset paper does not make".to_owned(),
-            ));
-        };
-        estimate.floor = floor;
-    }
-    if args.no_optimise {
-        params.optimise = None;
-    }
-    if let Some(cost) = args.cost {
-        let form = match cost {
-            Cost::Sum => CostForm::Sum,
-            Cost::Share => CostForm::Share,
-        };
-        params.optimise = Some(Optimise { form, ..params.optimise.unwrap_or_default() });
-    }
-    if let Some(optimise) = &mut params.optimise {
-        match args.search {
-            Some(SearchMethod::Certified) => optimise.search = Search::default(),
-            Some(SearchMethod::Random) => optimise.search = Search::PAPER,
-            None => {}
-        }
-        if let (Search::Certified { evaluations }, Some(most)) = (&mut optimise.search, args.evaluations) {
-            *evaluations = most.into();
-        }
-    }
-    Ok(params)
+/// One that forgets points, where they can be told again by where they are.
+fn mapper(args: &ExtractArgs) -> Result<Mapper, CliError> {
+    let params = params(args)?;
+    Ok(if params.by_place() { Mapper::streaming(params)? } else { Mapper::new(params)? })
 }
 
-/// Extracts the planes, with the time of each stage.
-///
-/// # Errors
-/// [`CliError`] when the map is empty.
-pub fn extract_timed(
-    mapper: &Mapper,
+/// Labels all points into files that have no name yet, and tells what the planes span.
+fn label(
+    args: &ExtractArgs,
+    again: &mut Again,
     progress: &mut Progress,
     timings: &mut Timings,
-) -> Result<PlaneMap, CliError> {
-    let mut marks = Vec::new();
-    let map = mapper.extract_observed(|stage| {
-        let what = match stage {
-            Stage::Normals { cells } => format!("normals of {cells} cells"),
-            Stage::Grow { cells } => format!("growing regions over {cells} cells"),
-            Stage::Cluster { cells } => format!("clustering {cells} cells"),
-            Stage::Optimise { clusters } => format!("optimising {clusters} uncertain clusters"),
-            Stage::Label { points } => format!("labelling {points} points"),
-        };
-        progress.spin(&what);
-        marks.push((stage, Instant::now()));
+) -> Result<(Labelled, Option<Bounds>), CliError> {
+    let labels = LabelsWriter::create(&args.out.join("labels.npy"), again.inputs.points() as u64)?;
+    let coloured = || PlyWriter::create(&args.out.join("points.ply"), again.inputs.extent());
+    let points = if args.no_points { None } else { Some(coloured()?) };
+    let mut written = Labelled { labels, points };
+    let mut bounds: Option<Bounds> = None;
+    let mut seconds = 0.0;
+    again.read("labelling", progress, timings, |scan, labels| {
+        let writing = Instant::now();
+        written.push(scan, labels)?;
+        if args.picture {
+            let on_planes = labelled(scan, labels).filter(|p| p.plane.is_some()).map(|p| p.position);
+            let before = bounds.iter().flat_map(|bounds| [bounds.min(), bounds.max()]);
+            bounds = Bounds::of(before.chain(on_planes));
+        }
+        seconds += writing.elapsed().as_secs_f64();
+        Ok(())
     })?;
-    let ends = marks.iter().skip(1).map(|(_, begin)| *begin).chain([Instant::now()]);
-    for ((stage, begin), end) in marks.iter().zip(ends) {
-        let slot = match stage {
-            Stage::Normals { .. } => &mut timings.normals,
-            Stage::Grow { .. } => timings.grow.get_or_insert(0.0),
-            Stage::Cluster { .. } => &mut timings.cluster,
-            Stage::Optimise { .. } => &mut timings.optimise,
-            Stage::Label { .. } => &mut timings.label,
-        };
-        *slot = (end - *begin).as_secs_f64();
-    }
-    Ok(map)
+    timings.write += seconds;
+    Ok((written, bounds))
 }
 
 /// The extents of the planes, when the arguments ask for anything made of them.
 fn outline(
     args: &ExtractArgs,
     map: &PlaneMap,
-    inputs: &Inputs,
-    options: &ReadOptions,
+    again: &mut Again,
     progress: &mut Progress,
     timings: &mut Timings,
 ) -> Result<Option<Extents>, CliError> {
@@ -191,7 +133,7 @@ fn outline(
         return Ok(None);
     }
     let outlining = Instant::now();
-    let extents = Extents::of(map, inputs, options, progress)?;
+    let extents = Extents::of(map, again, progress)?;
     timings.extent = Some(outlining.elapsed().as_secs_f64());
     Ok(Some(extents))
 }
@@ -208,41 +150,25 @@ fn write_extents(extents: &Extents, args: &ExtractArgs, progress: &mut Progress)
     Ok(())
 }
 
-fn write_points(
-    path: &Path,
-    inputs: &Inputs,
-    options: &ReadOptions,
-    map: &PlaneMap,
-    progress: &mut Progress,
-) -> Result<(), CliError> {
-    progress.begin("points.ply", map.labels.len());
-    let mut failed = None;
-    let points = labelled_points(inputs, options, map, &mut failed);
-    let written = write_labelled_ply(path, inputs.extent(), points.inspect(|_| progress.advance(1)));
-    failed.map_or(Ok(written?), Err)
-}
-
-/// Draws what the planes span, and a tenth around it: single outliers must not shrink the picture.
+/// Draws what the planes span: single outliers must not shrink the picture.
 fn write_picture(
     path: &Path,
-    inputs: &Inputs,
-    options: &ReadOptions,
+    bounds: Bounds,
     map: &PlaneMap,
+    again: &mut Again,
     up: [f64; 3],
+    progress: &mut Progress,
 ) -> Result<(), CliError> {
-    let mut failed = None;
-    let on_planes = labelled_points(inputs, options, map, &mut failed).filter(|p| p.plane.is_some());
-    let Some(bounds) = Bounds::of(on_planes.map(|p| p.position)) else {
-        return failed.map_or(Ok(()), Err);
-    };
     let title = format!("{} planes", map.planes.len());
     let mut picture = TwoSides::new(bounds, up, &title)?;
-    for point in labelled_points(inputs, options, map, &mut failed) {
-        let inside = (0..3).all(|i| (bounds.min()[i]..=bounds.max()[i]).contains(&point.position[i]));
-        if inside {
-            picture.add(point.position, point.plane);
+    again.read("planes.png", progress, &mut Timings::default(), |scan, labels| {
+        for point in labelled(scan, labels) {
+            let inside = (0..3).all(|i| (bounds.min()[i]..=bounds.max()[i]).contains(&point.position[i]));
+            if inside {
+                picture.add(point.position, point.plane);
+            }
         }
-    }
-    write_png(path, &picture.image()?.png()?)?;
-    failed.map_or(Ok(()), Err)
+        Ok(())
+    })?;
+    Ok(write_png(path, &picture.image()?.png()?)?)
 }

@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use terrace::{Frame, Mapper, Params, PlaneMap, Sigma};
+use terrace::{Frame, Mapper, Params, PlaneMap, Scan, Sigma};
 use terrace_draw::Bounds;
 use terrace_io::planes_json::Timings;
-use terrace_io::{
-    Counted, ErrorSource, FieldChoice, ReadError, ReadErrorKind, ReadOptions, Source, find_sources, read_scan,
-};
+use terrace_io::{ErrorSource, FieldChoice, ReadError, ReadErrorKind, ReadOptions, Source, find_sources};
 use terrace_noise::{Kinect, SensorNoise};
 
 use super::runs::{row, run as run_all};
 use crate::args::ReproduceArgs;
-use crate::commands::extract::{insert_all, intrinsics};
+use crate::commands::extract::{Reading, insert_all, intrinsics};
 use crate::error::CliError;
 use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
@@ -36,8 +34,8 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     let sources = find_sources(&[data], None)?;
     let mut progress = Progress::new(args.quiet);
     let runs = run_all(params, |mapper: &mut Mapper| {
-        let read = |source: &Source| read_with_axial_errors(source, &options);
-        insert_all(mapper, &sources, read, &mut progress, &mut Timings::default()).map(|_| ())
+        let reading = Reading { options: &options, change: &with_axial_errors };
+        insert_all(mapper, &sources, reading, &mut progress, &mut Timings::default()).map(|_| ())
     })?;
     progress.finish();
 
@@ -66,17 +64,15 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
 
 /// A depth image with the errors that the paper takes: one σ for all axes, here the Kinect's along its optical axis, at
 /// an incidence that is not known.
-fn read_with_axial_errors(source: &Source, options: &ReadOptions) -> Result<Counted, ReadError> {
+fn with_axial_errors(source: &Source, scan: Scan) -> Result<Scan, ReadError> {
     let refused = |kind| ReadError { path: source.path.clone(), kind: Box::new(kind) };
-    let scan = read_scan(source, options)?;
     let kinect = Kinect::default();
     if let Frame::World { .. } = scan.frame() {
         return Err(refused(ReadErrorKind::NoSensorPosition { noise: SensorNoise::Kinect(kinect) }));
     }
     let sigma = |point: &[f64; 3]| kinect.axial(point[2], None).unwrap_or(f64::NAN);
     let sigmas = Sigma::PerPoint(scan.points().iter().map(sigma).collect());
-    let scan = scan.with_sigma(sigmas).map_err(|error| refused(ReadErrorKind::Scan(error.into())))?;
-    Ok(Counted { scan, not_measured: 0 })
+    scan.with_sigma(sigmas).map_err(|error| refused(ReadErrorKind::Scan(error.into())))
 }
 
 /// Draws the cells, as the paper does. Up is against the camera's y axis of the first frame.

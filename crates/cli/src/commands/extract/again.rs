@@ -1,0 +1,96 @@
+//! The inputs read again, for the labels of their points.
+
+use std::time::Instant;
+
+use terrace::{PlaneId, PointLabels, Scan};
+use terrace_io::planes_json::Timings;
+use terrace_io::{LabelledPoint, LabelsWriter, PlyWriter};
+
+use super::chunks::{Reading, bytes, length};
+use super::inputs::Inputs;
+use crate::error::CliError;
+use crate::progress::Progress;
+
+/// What is needed to read the inputs again and label their points.
+pub struct Again<'a, 'm> {
+    pub inputs: &'a Inputs,
+    pub reading: Reading<'a>,
+    pub labels: &'a mut PointLabels<'m>,
+}
+
+impl Again<'_, '_> {
+    /// Hands out all points with their labels, chunk by chunk.
+    ///
+    /// # Errors
+    /// [`CliError`] when a file cannot be read or no longer has as many points, and what `each` returns.
+    pub fn read(
+        &mut self,
+        what: &'static str,
+        progress: &mut Progress,
+        timings: &mut Timings,
+        mut each: impl FnMut(&Scan, &[Option<PlaneId>]) -> Result<(), CliError>,
+    ) -> Result<(), CliError> {
+        let Self { inputs, reading, labels } = self;
+        let mut points = progress.begin_points(what, bytes(inputs.sources()));
+        let (mut view, mut read) = (0, 0);
+        let mut of_chunk = Vec::new();
+        let mut waiting = Instant::now();
+        reading.begin_each(inputs.sources(), |source, begun| {
+            let (mut chunks, first) = begun?;
+            let changed = || CliError::Changed { path: source.path.clone() };
+            let (count, whole) = inputs.points_of(view);
+            let (mut next, mut left) = (Some(first), count);
+            while let Some(chunk) = next {
+                timings.load += waiting.elapsed().as_secs_f64();
+                left = left.checked_sub(chunk.len()).ok_or_else(changed)?;
+                let labelling = Instant::now();
+                labels.label(view, &chunk, &mut of_chunk);
+                timings.label += labelling.elapsed().as_secs_f64();
+                each(&chunk, &of_chunk)?;
+                progress.advance_points(&mut points, chunk.len(), read + chunks.bytes_read());
+                chunks.recycle(chunk);
+                waiting = Instant::now();
+                // What is behind the points that were used could not be read before.
+                next = if left == 0 && !whole { None } else { chunks.next()? };
+            }
+            if left > 0 {
+                return Err(changed());
+            }
+            view += 1;
+            read += length(source);
+            Ok(())
+        })
+    }
+}
+
+/// Present points of a chunk with their labels.
+pub fn labelled<'s>(
+    scan: &'s Scan,
+    labels: &'s [Option<PlaneId>],
+) -> impl Iterator<Item = LabelledPoint> + 's {
+    let points = scan.world_points().zip(labels);
+    points.filter_map(|(p, plane)| Some(LabelledPoint { position: p?.position, plane: *plane }))
+}
+
+/// `labels.npy`, and `points.ply` where it is asked for, while they are written.
+pub struct Labelled {
+    pub labels: LabelsWriter,
+    pub points: Option<PlyWriter<LabelledPoint>>,
+}
+
+impl Labelled {
+    /// Adds a chunk.
+    pub fn push(&mut self, scan: &Scan, labels: &[Option<PlaneId>]) -> Result<(), CliError> {
+        self.labels.push(labels.iter().copied())?;
+        if let Some(points) = &mut self.points {
+            points.push(labelled(scan, labels))?;
+        }
+        Ok(())
+    }
+
+    /// Gives the files their names.
+    pub fn finish(self) -> Result<(), CliError> {
+        self.labels.finish()?;
+        Ok(self.points.map_or(Ok(()), PlyWriter::finish)?)
+    }
+}
