@@ -86,6 +86,36 @@ fn sparse(params: Params) -> Params {
     Params { cell_size: Some(0.12), ..params }
 }
 
+/// All the same: clusters to the bit; of regions the planes of least variance and the noise to rounding, for the search for them
+/// begins at the mean of the points, which samples sum in another order.
+fn assert_same(stream: &PlaneMap, found: &PlaneMap, name: &str) {
+    if found.used.grown.is_none() {
+        assert_eq!(bits(stream), bits(found), "{name}");
+        return;
+    }
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
+    let mut like_found = stream.clone();
+    for (own, other) in like_found.planes.iter_mut().zip(&found.planes) {
+        let (a, b) = (own.plane.coefficients(), other.plane.coefficients());
+        assert!((0..4).all(|i| close(a[i], b[i])), "{name}: {a:?} instead of {b:?}");
+        assert_eq!(own.estimate.is_some(), other.estimate.is_some(), "{name}");
+        if let (Some(own), Some(other)) = (own.estimate, other.estimate) {
+            assert!(close(own.largest_tilt(), other.largest_tilt()) && own.columns == other.columns);
+        }
+        (own.plane, own.estimate) = (other.plane, other.estimate);
+    }
+    let knots = |map: &PlaneMap| map.noise.clone().map(|noise| (noise.places, noise.knots));
+    match (knots(&like_found), knots(found)) {
+        (Some((places, own)), Some((of, other))) => {
+            assert_eq!((places, own.len()), (of, other.len()), "{name}");
+            assert!(own.iter().zip(&other).all(|(a, b)| close(a.along, b.along)), "{name}");
+        }
+        (own, other) => assert_eq!(own, other, "{name}"),
+    }
+    like_found.noise.clone_from(&found.noise);
+    assert_eq!(bits(&like_found), bits(found), "{name}");
+}
+
 fn coplanar() -> Params {
     let mut params = Params::default();
     params.regions.as_mut().unwrap().join = Join::Coplanar;
@@ -107,8 +137,7 @@ fn where_samples_are_all_points_the_map_is_that_of_points_that_are_kept() {
             for (size, again, threads) in [(700, 999, 1), (100_000, 100_000, 2), (4096, 1 << 15, 3)] {
                 let stream = on_threads(threads, || streamed(params, &scans, size, again));
                 check_sound(&stream);
-                assert!(stream == found, "{name}, chunks of {size}");
-                assert_eq!(bits(&stream), bits(&found));
+                assert_same(&stream, &found, &format!("{name}, chunks of {size}"));
             }
         }
     }
