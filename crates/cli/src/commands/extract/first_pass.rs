@@ -79,9 +79,11 @@ impl<'a> FirstPass<'a, '_> {
     /// Inserts a source, unless its beginning is refused.
     fn begin(&mut self, source: &'a Source, chunks: Chunks<'a>, first: Scan) -> Result<(), String> {
         if source.pose_noise.is_some() && !has_pose(source, &first) {
-            return Err("the pose of the scan is said to be uncertain, but it is not known: give --poses, or a PCD with a \
-                        VIEWPOINT"
-                .to_owned());
+            return Err(format!(
+                "{}: the pose of the scan is said to be uncertain, but it is not known: give --poses, or a PCD with a \
+                 VIEWPOINT",
+                source.path.display()
+            ));
         }
         let refused = |error: InsertError| format!("{}: {error}", source.path.display());
         let (mut chunks, first) = if self.mapper.wants_cell_size() {

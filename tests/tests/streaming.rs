@@ -1,0 +1,113 @@
+//! Files of more points than are held at once.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use terrace_tests::{labels, planes, planes_without_times, terrace};
+
+/// Two chunks, the second one not full.
+const POINTS: usize = (1 << 20) + (1 << 19);
+
+struct Room {
+    folder: TempDir,
+}
+
+impl Room {
+    fn new() -> Self {
+        let room = Self { folder: tempfile::tempdir().unwrap() };
+        let out = room.path("room");
+        let points = POINTS.to_string();
+        let _ =
+            terrace(["synth", "room", "--points", &points, "--seed", "3", "--out", text(&out)]).ended_with(0);
+        room
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn cloud(&self) -> PathBuf {
+        self.path("room/points.ply")
+    }
+
+    /// All but the end of the file.
+    fn truncated(&self) -> PathBuf {
+        let bytes = std::fs::read(self.cloud()).unwrap();
+        let path = self.path("truncated.ply");
+        std::fs::write(&path, &bytes[..bytes.len() - 1000]).unwrap();
+        path
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn all_points_have_the_label_of_their_plane() {
+    let room = Room::new();
+    let outs = ["1", "2"].map(|threads| {
+        let out = room.path(threads);
+        let _ = terrace(
+            ["extract", text(&room.cloud()), "--threads", threads, "--picture", "--extent"]
+                .iter()
+                .chain(&["--out", text(&out)]),
+        )
+        .ended_with(0);
+        out
+    });
+    for name in ["labels.npy", "points.ply", "planes.png", "extents.json"] {
+        let [one, other] = outs.each_ref().map(|out| std::fs::read(out.join(name)).unwrap());
+        assert!(one == other, "{name}");
+    }
+    assert_eq!(planes_without_times(&outs[0]), planes_without_times(&outs[1]));
+
+    let (file, found) = (planes(&outs[0]), labels(&outs[0]));
+    assert_eq!(found.len(), POINTS);
+    for plane in &file.planes {
+        let label = i32::try_from(plane.id.get()).unwrap();
+        assert_eq!(found.iter().filter(|found| **found == label).count() as u64, plane.points);
+    }
+    assert_eq!(file.parameters["inputs_in_part"], serde_json::json!([]));
+    // Nine in ten points of the largest planes are found, in both chunks.
+    let truth = labels(&room.path("room"));
+    for half in [0..1 << 20, 1 << 20..POINTS] {
+        for plane in 1..=3 {
+            let overlap = terrace_tests::best_overlap(&truth[half.clone()], &found[half.clone()], plane);
+            assert!(overlap > 0.9, "plane {plane}: {overlap}");
+        }
+    }
+}
+
+#[test]
+fn of_a_file_that_breaks_off_the_chunks_before_are_used() {
+    let room = Room::new();
+    let (truncated, out) = (room.truncated(), room.path("out"));
+    let run = terrace(["extract", text(&truncated), "--cell", "0.1", "--out", text(&out)]).ended_with(0);
+    assert!(run.stderr.contains("truncated.ply") && run.stderr.contains("1048576"), "{}", run.stderr);
+    assert_eq!(labels(&out).len(), 1 << 20);
+    let file = planes(&out);
+    let part = &file.parameters["inputs_in_part"][0];
+    assert_eq!((&part["input"], &part["points"]), (&text(&truncated).into(), &(1 << 20).into()));
+    assert!(part["reason"].as_str().unwrap().contains("truncated.ply"));
+    assert_eq!(
+        (&file.parameters["inputs"], &file.parameters["inputs_skipped"]),
+        (&1.into(), &serde_json::json!([]))
+    );
+    assert!(file.planes.len() > 5);
+}
+
+#[test]
+fn a_first_file_that_breaks_off_shows_no_cell_size_and_is_left_out() {
+    let room = Room::new();
+    let (truncated, small, out) = (room.truncated(), room.path("small"), room.path("out"));
+    let _ = terrace(["synth", "table", "--points", "5000", "--out", text(&small)]).ended_with(0);
+    let good = small.join("points.ply");
+    let run = terrace(["extract", text(&truncated), text(&good), "--out", text(&out)]).ended_with(0);
+    assert!(run.stderr.contains("left out") && run.stderr.contains("truncated.ply"), "{}", run.stderr);
+    let file = planes(&out);
+    assert_eq!(file.parameters["inputs_skipped"][0]["input"], text(&truncated));
+    assert_eq!((labels(&out).len(), &file.parameters["inputs"]), (5000, &1.into()));
+}
