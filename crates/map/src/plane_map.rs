@@ -8,7 +8,8 @@ use crate::{CellSizeChoice, NoiseLevel, Optimised, Params, PlaneEstimate};
 /// A plane of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtractedPlane {
-    /// Its number, from 1: planes are sorted by their points, the largest first.
+    /// Its number, from 1: planes are sorted by their points, the largest first; where regions were
+    /// [streamed](crate::Mapper::extract_streamed), by points as samples tell.
     pub id: PlaneId,
     /// The plane: that of [`estimate`](Self::estimate) where there is one, else that of least squares through all points of
     /// its cells; for a region those over which it was grown. The normal points to the side from which most of them were seen, or,
