@@ -175,20 +175,25 @@ impl VoxelGrid {
         self.parts[home.part as usize].ids[home.slot as usize]
     }
 
-    /// Where the cell of this voxel is kept, if there is one.
+    /// The part of a block that has a cell, and its number there.
     #[inline]
-    pub(crate) fn home_of(&self, key: VoxelKey) -> Option<Home> {
-        let block_key = BlockKey::of(key);
-        let (part, block) = match self.last[block_key.recent()] {
-            Some((last, part, block)) if last == block_key => (part, block),
+    pub(crate) fn block_of(&self, key: BlockKey) -> Option<(u32, u32)> {
+        match self.last[key.recent()] {
+            Some((last, part, block)) if last == key => Some((part, block)),
             _ => {
-                let hash = block_key.hash();
+                let hash = key.hash();
                 let part = part_of(hash);
                 // There are few parts.
                 #[allow(clippy::cast_possible_truncation)]
-                (part as u32, self.parts[part].block(block_key, hash)?)
+                Some((part as u32, self.parts[part].block(key, hash)?))
             }
-        };
+        }
+    }
+
+    /// Where the cell of this voxel is kept, if there is one.
+    #[inline]
+    pub(crate) fn home_of(&self, key: VoxelKey) -> Option<Home> {
+        let (part, block) = self.block_of(BlockKey::of(key))?;
         let slot = self.parts[part as usize].slot(block, place_of(key))?;
         Some(Home { part, slot })
     }
@@ -197,23 +202,18 @@ impl VoxelGrid {
     #[inline]
     pub(crate) fn home_or_new(&mut self, key: VoxelKey) -> Result<(Home, bool), GridError> {
         let block_key = BlockKey::of(key);
-        let (part, block) = match self.last[block_key.recent()] {
-            Some((last, part, block)) if last == block_key => (part, block),
-            _ => {
+        let (part, block) = match self.block_of(block_key) {
+            Some(known) => known,
+            None if self.homes.len() < MOST_CELLS => {
                 let hash = block_key.hash();
                 let part = part_of(hash);
-                let block = match self.parts[part].block(block_key, hash) {
-                    Some(block) => block,
-                    None if self.homes.len() < MOST_CELLS => self.parts[part].block_or_new(block_key, hash),
-                    None => return Err(GridError::Full { cells: self.homes.len() }),
-                };
                 // There are few parts.
                 #[allow(clippy::cast_possible_truncation)]
-                let part = part as u32;
-                self.last[block_key.recent()] = Some((block_key, part, block));
-                (part, block)
+                (part as u32, self.parts[part].block_or_new(block_key, hash))
             }
+            None => return Err(GridError::Full { cells: self.homes.len() }),
         };
+        self.last[block_key.recent()] = Some((block_key, part, block));
         let place = place_of(key);
         if let Some(slot) = self.parts[part as usize].slot(block, place) {
             return Ok((Home { part, slot }, false));

@@ -54,16 +54,17 @@ impl Field {
         if u32::try_from(cells.len()).is_err() {
             return Err(RegionsError::TooMany { cells: cells.len() });
         }
-        if let Some(cell) = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()) {
-            return Err(RegionsError::Cell { cell });
-        }
         let (order, levels, anchored) = laid_out(cells);
+        let sums = order.iter().map(|at| Sums::of(&cells[*at as usize].stats)).collect::<Option<Vec<Sums>>>();
+        let Some(sums) = sums else {
+            let cell = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()).unwrap_or(0);
+            return Err(RegionsError::Cell { cell });
+        };
         let keys: Vec<[i32; 3]> = order.iter().map(|at| cells[*at as usize].key).collect();
         let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if twice > 0 {
             return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
         }
-        let sums: Vec<Sums> = order.iter().filter_map(|at| Sums::of(&cells[*at as usize].stats)).collect();
         // In single precision, as places of points are.
         #[allow(clippy::cast_possible_truncation)]
         let middles = sums.iter().map(|of| (of.mean - of.anchor).to_array().map(|x| x as f32)).collect();

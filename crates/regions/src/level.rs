@@ -27,7 +27,7 @@ impl Level {
     pub(crate) fn all(keys: &[[u32; 3]], levels: u32) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         let mut children: Vec<Vec<u32>> = Vec::new();
-        for level in 0..levels {
+        for _ in 0..levels {
             let (of_groups, starts) = match all.last() {
                 None => (keys.to_vec(), (0..=number(keys.len())).collect()),
                 Some(below) => runs(&below.keys),
@@ -42,7 +42,6 @@ impl Level {
             }
             children.push(starts);
             all.push(Self { keys: of_groups, starts: cells, of, near_starts: vec![0], near: Vec::new() });
-            debug_assert_eq!(all.len(), level as usize + 1);
         }
         if let Some(top) = all.last_mut() {
             top.look_up();

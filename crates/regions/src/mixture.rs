@@ -170,14 +170,21 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     self.look(*cell, nearby)
                 })
                 .collect();
-            again.fill(false);
+            let different = |(cell, now): (&usize, &OfCell)| {
+                now.differs(&of_cells[*cell], self.field.cells[*cell].points)
+            };
+            let differences: Vec<Difference> = todo.iter().zip(&found).map(different).collect();
             for (cell, now) in todo.iter().zip(found) {
-                match now.differs(&of_cells[*cell], self.field.cells[*cell].points) {
+                of_cells[*cell] = now;
+            }
+            // By what all cells are now, whichever was looked at first.
+            again.fill(false);
+            for (cell, difference) in todo.iter().zip(differences) {
+                match difference {
                     Difference::Regions => self.mark_around(*cell, &mut again, |_| true),
                     Difference::Shares => self.mark_around(*cell, &mut again, |near| of_cells[near].is_open),
                     Difference::None => {}
                 }
-                of_cells[*cell] = now;
             }
             // The last round labels among those that are left.
             if round < ROUNDS && self.take_out(&mut candidates, &of_cells, &region_of) {
@@ -195,7 +202,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     }
 
     fn mark_around(&self, cell: usize, marks: &mut [bool], is_meant: impl Fn(usize) -> bool) {
-        marks[cell] = true;
+        marks[cell] |= is_meant(cell);
         for near in self.field.levels[0].near(cell) {
             marks[*near as usize] |= is_meant(*near as usize);
         }
@@ -288,7 +295,8 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                         several.ends.extend(ends.between(here, there, sums, self.noise));
                     }
                     let count = several.ends.len() - first;
-                    near.ends = (u16::try_from(first).unwrap_or(0), u16::try_from(count).unwrap_or(0));
+                    // Pairs of regions near one cell: far fewer than 2³².
+                    near.ends = (u32::try_from(first).unwrap_or(0), u32::try_from(count).unwrap_or(0));
                     several.near.push(near);
                 }
                 Nearby::Several(Box::new(several))

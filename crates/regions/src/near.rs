@@ -12,7 +12,7 @@ pub(crate) struct Near {
     /// −2 ln of its share of the points around.
     pub(crate) prior: f32,
     /// Where its ends begin among those of the cell, and how many there are.
-    pub(crate) ends: (u16, u16),
+    pub(crate) ends: (u32, u32),
 }
 
 /// The regions near a cell where there are several, by number.
@@ -45,7 +45,7 @@ impl Several {
     #[inline]
     pub(crate) fn score(&self, near: &Near, place: [f32; 3], reach: f32) -> Option<f32> {
         let errors = near.errors(place, reach)?;
-        let (first, count) = (usize::from(near.ends.0), usize::from(near.ends.1));
+        let (first, count) = (near.ends.0 as usize, near.ends.1 as usize);
         let ends = self.ends.get(first..first + count).unwrap_or(&[]);
         let inside: f32 = ends.iter().map(|end| end.ln_inside(place)).sum();
         Some(errors * errors + near.prior - 2.0 * inside)

@@ -67,6 +67,7 @@ impl Seeds {
                 }
                 _ => {
                     let Some(Reverse((_, seed))) = self.judged.pop() else { continue };
+                    // Since it was judged, a region may have taken it.
                     if judge(&seed).is_some() {
                         return Some(seed);
                     }

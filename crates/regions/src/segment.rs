@@ -231,7 +231,8 @@ pub fn find<'s>(
 
 impl Found {
     /// The same planes with points as they were counted and measured one by one, those with most points first; planes with fewer than
-    /// are asked for are none. Tells the new number of each plane, if it is one.
+    /// are asked for are none. Tells the new number of each plane, if it is one: the [labeller](Self::labeller) keeps the numbers of
+    /// before.
     pub fn by_measures(&mut self, measures: &[Measure]) -> Vec<Option<u32>> {
         let points = |at: usize| measures.get(at).map_or(0, |measure| measure.points);
         let is_one = |at: &usize| points(*at) > 0 && points(*at) as f64 >= self.min_points;

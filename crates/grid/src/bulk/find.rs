@@ -1,7 +1,7 @@
 //! The cells that many points are in.
 
 use super::locate::{BATCH, Located, NOWHERE};
-use crate::block::{BlockKey, part_of, place_of};
+use crate::block::{BlockKey, RECENT, place_of};
 use crate::key::key_of;
 use crate::{CellId, VoxelGrid};
 
@@ -12,7 +12,7 @@ impl VoxelGrid {
     /// For points that are read again: with [`Assignment::Voxel`](crate::Assignment::Voxel) nothing else tells the cell of a point.
     pub fn find_all(&self, points: &[[f64; 3]], cells: &mut Vec<Option<CellId>>, places: &mut Vec<[f32; 3]>) {
         let mut located = Located::new();
-        let mut last_block: Option<(BlockKey, usize, Option<u32>)> = None;
+        let mut recent: [Option<(BlockKey, Option<(u32, u32)>)>; RECENT] = [None; RECENT];
         let mut last = (NOWHERE, None);
         for points in points.chunks(BATCH) {
             if !located.locate(points, self.lattice) {
@@ -28,18 +28,16 @@ impl VoxelGrid {
             for key in &located.keys[..points.len()] {
                 if *key != last.0 {
                     let block_key = BlockKey::of(*key);
-                    let (part, block) = match last_block {
-                        Some((known, part, block)) if known == block_key => (part, block),
-                        _ => {
-                            let hash = block_key.hash();
-                            let part = part_of(hash);
-                            (part, self.parts[part].block(block_key, hash))
-                        }
+                    let block = match recent[block_key.recent()] {
+                        Some((known, block)) if known == block_key => block,
+                        _ => self.block_of(block_key),
                     };
-                    last_block = Some((block_key, part, block));
-                    let part = &self.parts[part];
-                    let slot = block.and_then(|block| part.slot(block, place_of(*key)));
-                    last = (*key, slot.and_then(|slot| part.ids.get(slot as usize).copied()));
+                    recent[block_key.recent()] = Some((block_key, block));
+                    let cell = |(part, block): (u32, u32)| {
+                        let part = &self.parts[part as usize];
+                        part.ids.get(part.slot(block, place_of(*key))? as usize).copied()
+                    };
+                    last = (*key, block.and_then(cell));
                 }
                 cells.push(last.1);
             }
