@@ -326,3 +326,17 @@ fn files_without_points_have_no_chunk() {
         assert_eq!((reader.points(), reader.next_chunk().unwrap()), (Some(0), None), "{}", good.name);
     }
 }
+
+#[test]
+fn how_far_a_file_was_read_is_told() {
+    let place = Place::new();
+    let rows: String = (0..40_000).map(|k| format!("{k} 1.5 2.5\n")).collect();
+    let path = place.file(Format::Text, rows.as_bytes());
+    let mut reader = ScanReader::open(&Source::new(&path), &ReadOptions::default(), 10_000).unwrap();
+    let mut told = vec![reader.bytes_read()];
+    while reader.next_chunk().unwrap().is_some() {
+        told.push(reader.bytes_read());
+    }
+    assert!(told.is_sorted() && told[1] < rows.len() as u64, "{told:?}");
+    assert_eq!(told[4], rows.len() as u64);
+}

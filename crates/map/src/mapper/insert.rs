@@ -1,0 +1,177 @@
+//! Scans, or chunks of them, into the cells.
+
+use std::sync::OnceLock;
+
+use terrace_grid::{GridError, Taken};
+use terrace_noise::PoseNoise;
+use terrace_stats::UncertainVector;
+use terrace_types::Scan;
+
+use super::{Kept, Mapper, View};
+use crate::cell_size::choose_from;
+use crate::world::World;
+use crate::{InsertError, Inserted, Weighting};
+
+/// Points that are moved to the world at once.
+const AT_ONCE: usize = 1 << 20;
+
+impl Mapper {
+    /// Adds the points of a scan.
+    ///
+    /// # Errors
+    /// [`InsertError`], with the map as it was: when no cell size was given and none can be chosen from this first
+    /// scan; when points are to be weighted by information and one has no standard error to weight it by. Single points
+    /// that the grid refuses are left out and counted, see [`Inserted`].
+    pub fn insert(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
+        self.insert_from(scan, None)
+    }
+
+    /// Adds the points of a scan whose pose is only known to within `pose`. All its points share that error: it goes into
+    /// the covariances of planes once for the scan. `None` is a pose without error.
+    ///
+    /// # Errors
+    /// As [`Mapper::insert`], and [`InsertError::NoSensor`] when it is not known where the sensor stood.
+    pub fn insert_from(&mut self, scan: &Scan, pose: Option<PoseNoise>) -> Result<Inserted, InsertError> {
+        if pose.is_some() && scan.sensor_position().is_none() {
+            return Err(InsertError::NoSensor);
+        }
+        if self.params.weighting == Weighting::Information {
+            require_errors(scan)?;
+        }
+        let (choice, size) = match (&self.fine, self.params.cell_size) {
+            (Some(_), _) => (self.chosen, None),
+            (None, Some(size)) => (None, Some(size)),
+            (None, None) => {
+                let choice = choose_from(scan, pose.as_ref())
+                    .ok_or(InsertError::NoCellSize { present: scan.present() })?;
+                (Some(choice), Some(choice.cell_size))
+            }
+        };
+        if let Some(size) = size {
+            self.fine = Some(self.grid_of(size)?);
+        }
+        self.chosen = choice;
+        if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
+            seen.end_view(last);
+        }
+        self.views.push(View { points: 0, sensor: scan.sensor_position(), pose });
+        self.take(scan)
+    }
+
+    /// Adds more points of the scan before: for one that comes in chunks, all of one frame. They were seen from the same place, and
+    /// share the error of its pose. The first chunk goes to [`Mapper::insert_from`]; a map of chunks is that of the whole scan to the
+    /// bit, if it has the same [cell size](Self::begin_with). Without a scan before it is [`Mapper::insert`].
+    ///
+    /// # Errors
+    /// [`InsertError::NoWeight`] as for [`Mapper::insert`], with the map as it was.
+    pub fn insert_more(&mut self, chunk: &Scan) -> Result<Inserted, InsertError> {
+        if self.views.is_empty() {
+            return self.insert(chunk);
+        }
+        if self.params.weighting == Weighting::Information {
+            require_errors(chunk)?;
+        }
+        self.take(chunk)
+    }
+
+    /// Adds points to the last view.
+    fn take(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
+        self.coarse = OnceLock::new();
+        let taken = match self.params.weighting {
+            Weighting::Uniform => self.add_all(scan)?,
+            Weighting::Information => self.add_weighted(scan),
+        };
+        if let Some(view) = self.views.last_mut() {
+            view.points += scan.len();
+        }
+        Ok(Inserted {
+            points: taken.points,
+            absent: taken.not_finite,
+            out_of_range: taken.refused,
+            first_refusal: taken.first_refusal.map(|refusal| self.in_cells_of_the_map(refusal)),
+        })
+    }
+
+    /// A refusal tells the cell size, also where points are added to cells of half of it.
+    fn in_cells_of_the_map(&self, refusal: GridError) -> GridError {
+        match refusal {
+            GridError::OutOfRange { position, size } if self.params.grows().is_some() => {
+                GridError::OutOfRange { position, size: 2.0 * size }
+            }
+            other => other,
+        }
+    }
+
+    /// Adds points with weight 1, many at once.
+    fn add_all(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
+        let mut all = Taken::default();
+        let Some(grid) = &mut self.fine else { return Ok(all) };
+        let grows = self.params.grows().is_some();
+        let mut world = World::default();
+        let mut forgotten = Kept::default();
+        let kept = if self.seen.is_some() { &mut forgotten } else { &mut self.kept };
+        for first in (0..scan.len()).step_by(AT_ONCE) {
+            let (points, errors) = world.part(scan, first..(first + AT_ONCE).min(scan.len()));
+            if self.seen.is_some() {
+                kept.clear();
+            }
+            let begin = kept.cells.len();
+            let places = grows.then_some(&mut kept.places);
+            let taken = grid.insert_all(points, errors, &mut kept.cells, places)?;
+            all = Taken {
+                points: all.points + taken.points,
+                not_finite: all.not_finite + taken.not_finite,
+                refused: all.refused + taken.refused,
+                first_refusal: all.first_refusal.or(taken.first_refusal),
+            };
+            if let Some(seen) = &mut self.seen {
+                seen.push(&kept.cells);
+            }
+            if grows {
+                let cells = &kept.cells[begin..];
+                // A grid numbers its cells with 32 bits.
+                #[allow(clippy::cast_possible_truncation)]
+                let cell = |at: usize| cells[at].map(|cell| cell.index() as u32);
+                self.samples.push_all(cell, &kept.places[begin..]);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Adds points that weigh what they tell, one by one.
+    fn add_weighted(&mut self, scan: &Scan) -> Taken {
+        let mut taken = Taken::default();
+        let Some(grid) = &mut self.fine else { return taken };
+        for point in scan.world_points() {
+            let added = point.map(|point| {
+                let v = UncertainVector { value: point.position, error: point.sigma.unwrap_or([0.0; 3]) };
+                grid.insert_weighted(&v, information(v.variance()))
+            });
+            match added {
+                None => taken.not_finite += 1,
+                Some(Ok(_)) => taken.points += 1,
+                Some(Err(refusal)) => {
+                    taken.refused += 1;
+                    taken.first_refusal.get_or_insert(refusal);
+                }
+            }
+            self.kept.cells.push(added.and_then(Result::ok));
+        }
+        taken
+    }
+}
+
+/// `1/σ²` with the mean of the variances along the axes.
+fn information([x, y, z]: [f64; 3]) -> f64 {
+    3.0 / (x + y + z)
+}
+
+fn require_errors(scan: &Scan) -> Result<(), InsertError> {
+    let weighs = |sigma: [f64; 3]| {
+        let weight = information(sigma.map(|s| s * s));
+        sigma.iter().all(|s| *s > 0.0) && weight > 0.0 && weight.is_finite()
+    };
+    let without =
+        (0..scan.len()).find(|i| scan.world_point(*i).is_some_and(|p| !p.sigma.is_some_and(weighs)));
+    without.map_or(Ok(()), |point| Err(InsertError::NoWeight { point }))
+}

@@ -1,0 +1,219 @@
+//! The growing map: scans in.
+
+mod insert;
+
+use std::sync::OnceLock;
+
+use terrace_grid::{CellId, GridError, VoxelGrid};
+use terrace_noise::PoseNoise;
+use terrace_regions::Samples;
+
+use crate::seen::Seen;
+use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
+
+/// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
+#[derive(Debug, Clone)]
+pub struct Mapper {
+    params: Params,
+    chosen: Option<CellSizeChoice>,
+    /// The cells that points are added to: of half the cell size where regions are grown.
+    fine: Option<VoxelGrid>,
+    /// Cells of the cell size, where they are not those that points are added to.
+    coarse: OnceLock<Option<Coarse>>,
+    /// Some points of each fine cell, where regions are grown.
+    samples: Samples,
+    kept: Kept,
+    /// What each view saw of which cell, where points are not kept.
+    seen: Option<Seen>,
+    /// Where the sensors stood, scan after scan.
+    views: Vec<View>,
+}
+
+/// Cells of the cell size, made of those of half of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Coarse {
+    pub(crate) grid: VoxelGrid,
+    /// For each fine cell, the one it is a part of.
+    pub(crate) of: Vec<CellId>,
+}
+
+/// What is kept of every point so far, scan after scan.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Kept {
+    /// The fine cell; `None` for points that were left out.
+    pub(crate) cells: Vec<Option<CellId>>,
+    /// Where it is, from the centre of its voxel, where labels are those of points.
+    pub(crate) places: Vec<[f32; 3]>,
+}
+
+impl Kept {
+    fn clear(&mut self) {
+        self.cells.clear();
+        self.places.clear();
+    }
+}
+
+/// The points of a scan and where they were seen from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    pub(crate) points: usize,
+    pub(crate) sensor: Option<[f64; 3]>,
+    /// How sure its pose is.
+    pub(crate) pose: Option<PoseNoise>,
+}
+
+/// What became of the points of a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inserted {
+    /// Points that are now in the map.
+    pub points: usize,
+    /// Absent points: not finite.
+    pub absent: usize,
+    /// Points left out: too many cells away from the origin, or beyond the number of cells a grid holds.
+    pub out_of_range: usize,
+    /// The reason for the first point left out.
+    pub first_refusal: Option<GridError>,
+}
+
+impl Mapper {
+    /// An empty map.
+    ///
+    /// # Errors
+    /// [`ParamsError`] when a parameter cannot be used.
+    pub fn new(params: Params) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self {
+            params,
+            chosen: None,
+            fine: None,
+            coarse: OnceLock::new(),
+            samples: Samples::default(),
+            kept: Kept::default(),
+            seen: None,
+            views: Vec::new(),
+        })
+    }
+
+    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and with how many
+    /// scans saw each. For scans that do not fit into memory, see [`Mapper::insert_more`] and [`Mapper::extract_streamed`].
+    ///
+    /// # Errors
+    /// [`StreamingError`] when a parameter cannot be used, or points could not be told again by where they are
+    /// ([`Params::by_place`]).
+    pub fn streaming(params: Params) -> Result<Self, StreamingError> {
+        if !params.by_place() {
+            return Err(StreamingError::NotByPlace);
+        }
+        Ok(Self { seen: Some(Seen::default()), ..Self::new(params)? })
+    }
+
+    /// Changes how the next extractions search for φ; the points need not be inserted again.
+    ///
+    /// # Errors
+    /// [`ParamsError`] when a setting cannot be used; the old ones stay.
+    pub fn set_optimise(&mut self, optimise: Option<Optimise>) -> Result<(), ParamsError> {
+        let params = Params { optimise, ..self.params };
+        params.validate()?;
+        self.params = params;
+        Ok(())
+    }
+
+    /// The parameters as given.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The grid, from the first scan on. Where regions are grown it is made of cells of half the size when it is asked for the first
+    /// time after an insertion.
+    pub fn grid(&self) -> Option<&VoxelGrid> {
+        if self.params.grows().is_some() {
+            self.coarse().map(|coarse| &coarse.grid)
+        } else {
+            self.fine.as_ref()
+        }
+    }
+
+    /// The cells that points are added to.
+    pub(crate) fn fine(&self) -> Option<&VoxelGrid> {
+        self.fine.as_ref()
+    }
+
+    pub(crate) fn coarse(&self) -> Option<&Coarse> {
+        let made = || {
+            let (grid, of) = self.fine.as_ref()?.halved().ok()?;
+            Some(Coarse { grid, of })
+        };
+        self.coarse.get_or_init(made).as_ref()
+    }
+
+    pub(crate) fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    pub(crate) fn kept(&self) -> &Kept {
+        &self.kept
+    }
+
+    /// What each view saw, where points are not kept.
+    pub(crate) fn seen(&self) -> Option<&Seen> {
+        self.seen.as_ref()
+    }
+
+    /// Whether points are forgotten once they are added: the map was made by [`Mapper::streaming`].
+    pub fn is_streaming(&self) -> bool {
+        self.seen.is_some()
+    }
+
+    /// Whether the first scan will be asked for a cell size: none is given, and none was chosen yet.
+    pub fn wants_cell_size(&self) -> bool {
+        self.fine.is_none() && self.params.cell_size.is_none()
+    }
+
+    /// Begins the map with a cell size that was chosen beforehand, from all of a scan that is inserted in chunks: see
+    /// [`CellSizeSample`](crate::CellSizeSample). Nothing happens where none is [wanted](Self::wants_cell_size).
+    ///
+    /// # Errors
+    /// [`InsertError::Grid`] when the grid refuses it.
+    pub fn begin_with(&mut self, choice: CellSizeChoice) -> Result<(), InsertError> {
+        if self.wants_cell_size() {
+            self.fine = Some(self.grid_of(choice.cell_size)?);
+            self.chosen = Some(choice);
+        }
+        Ok(())
+    }
+
+    fn grid_of(&self, size: f64) -> Result<VoxelGrid, GridError> {
+        match self.params.grows() {
+            Some(_) => VoxelGrid::of_halves(size),
+            None => VoxelGrid::new(size, self.params.assignment),
+        }
+    }
+
+    /// The cell size that was chosen from the first scan; `None` when one was given, or before the first scan.
+    pub fn chosen_cell_size(&self) -> Option<CellSizeChoice> {
+        self.chosen
+    }
+
+    /// Number of points so far, absent ones included: the number of labels.
+    pub fn len(&self) -> usize {
+        self.views.iter().map(|view| view.points).sum()
+    }
+
+    /// Whether no scan with a point was inserted.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The cell of each point so far, scan after scan; `None` for points that were left out. None at all where they are not kept.
+    pub fn cells_of_points(&self) -> impl ExactSizeIterator<Item = Option<CellId>> {
+        let coarse = self.params.grows().and_then(|_| self.coarse());
+        self.kept.cells.iter().map(move |cell| match coarse {
+            None => *cell,
+            Some(coarse) => coarse.of.get((*cell)?.index()).copied(),
+        })
+    }
+
+    pub(crate) fn views(&self) -> &[View] {
+        &self.views
+    }
+}
