@@ -5,6 +5,9 @@ use crate::block::{BlockKey, RECENT, place_of};
 use crate::key::key_of;
 use crate::{CellId, VoxelGrid};
 
+/// A block, and where it is if it has a cell.
+type LookedUp = (BlockKey, Option<(u32, u32)>);
+
 impl VoxelGrid {
     /// Appends for each point the cell of its voxel, as [`insert_all`](Self::insert_all) told it: `None` for points that are not finite
     /// or in no cell. Appends to `places` where each is from the [anchor](crate::Cell::anchor) of its voxel, 0 if it is in none.
@@ -12,7 +15,7 @@ impl VoxelGrid {
     /// For points that are read again: with [`Assignment::Voxel`](crate::Assignment::Voxel) nothing else tells the cell of a point.
     pub fn find_all(&self, points: &[[f64; 3]], cells: &mut Vec<Option<CellId>>, places: &mut Vec<[f32; 3]>) {
         let mut located = Located::new();
-        let mut recent: [Option<(BlockKey, Option<(u32, u32)>)>; RECENT] = [None; RECENT];
+        let mut recent: [Option<LookedUp>; RECENT] = [None; RECENT];
         let mut last = (NOWHERE, None);
         for points in points.chunks(BATCH) {
             if !located.locate(points, self.lattice) {
