@@ -108,6 +108,11 @@ impl Intrinsics {
         Ok(Self { fx, fy, cx, cy })
     }
 
+    /// `[fx, fy, cx, cy]`, in pixels.
+    pub fn entries(&self) -> [f64; 4] {
+        [self.fx, self.fy, self.cx, self.cy]
+    }
+
     /// From the bytes of a file: JSON with `fx`, `fy`, `cx`, `cy`, JSON of `Open3D` with `intrinsic_matrix` (nine
     /// numbers, column by column), or the nine numbers of a 3×3 matrix as text, row by row.
     ///

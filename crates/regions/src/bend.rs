@@ -10,12 +10,13 @@ const FREEDOMS: usize = 6;
 
 /// Points of a surface over a small place of its plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Column {
-    pub(crate) points: f64,
+pub struct Column {
+    /// How many.
+    pub points: f64,
     /// Their mean place in the plane, in metres.
-    pub(crate) place: [f64; 2],
+    pub place: [f64; 2],
     /// And their mean height over it, in metres.
-    pub(crate) height: f64,
+    pub height: f64,
 }
 
 /// How a surface is bent: the quadric through its columns.
@@ -31,7 +32,7 @@ pub struct Bend {
 
 impl Bend {
     /// `None` when the columns determine no quadric. `variance` is that of a point's error along the normal, in m².
-    pub(crate) fn of(columns: &[Column], variance: f64) -> Option<Self> {
+    pub fn of(columns: &[Column], variance: f64) -> Option<Self> {
         if columns.len() < FEWEST || variance <= 0.0 {
             return None;
         }

@@ -91,7 +91,7 @@ mod settings;
 mod sum;
 mod surface;
 
-pub use bend::Bend;
+pub use bend::{Bend, Column};
 pub use cell::Cell;
 pub use error::RegionsError;
 pub use field::sums_around;

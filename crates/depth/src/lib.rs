@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+mod around;
+mod camera;
+mod errors;
+mod error;
+mod finder;
+mod flat;
+mod grow;
+mod labels;
+mod looks;
+mod plane;
+mod pyramid;
+mod regions;
+mod settings;
+mod sum;
+mod tile;
+mod tiles;
+
+pub use camera::Camera;
+pub use error::DepthError;
+pub use finder::{DepthPlanes, PlaneFinder};
+pub use plane::DepthPlane;
+pub use settings::Settings;

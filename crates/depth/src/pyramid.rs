@@ -1,0 +1,106 @@
+//! Tiles in groups, at several resolutions.
+
+use crate::sum::Sum;
+use crate::tiles::Tiling;
+
+/// Resolutions: that of the tiles, and coarser ones, each with twice the edge of the one before.
+pub(crate) const LEVELS: usize = 4;
+
+/// Groups of 2ˡ × 2ˡ tiles and the sums of each with those around it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Level {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    /// Row by row: of a group and the up to eight that touch it.
+    pub(crate) around: Vec<Sum>,
+}
+
+impl Level {
+    /// The groups that touch a group, and itself, in rising order.
+    pub(crate) fn near(&self, group: usize) -> impl Iterator<Item = usize> + use<> {
+        near(group, self.columns, self.rows)
+    }
+}
+
+/// Places up to one step away in rows and columns, the place itself among them.
+#[inline]
+pub(crate) fn near(at: usize, columns: usize, rows: usize) -> impl Iterator<Item = usize> {
+    within(1, at, columns, rows)
+}
+
+/// Places up to so many steps away in rows and columns, the place itself among them.
+#[inline]
+pub(crate) fn within(
+    steps: usize,
+    at: usize,
+    columns: usize,
+    rows: usize,
+) -> impl Iterator<Item = usize> {
+    let (column, row) = (at % columns, at / columns);
+    let range = move |at: usize, size: usize| at.saturating_sub(steps)..(at + steps + 1).min(size);
+    range(row, rows).flat_map(move |row| range(column, columns).map(move |column| row * columns + column))
+}
+
+/// All levels, and the sums of groups that are not kept.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Pyramid {
+    pub(crate) levels: [Level; LEVELS],
+    own: [Vec<Sum>; 2],
+    rows: Vec<Sum>,
+}
+
+impl Pyramid {
+    pub(crate) fn fill(&mut self, tiles: &[Sum], tiling: Tiling) {
+        let Self { levels, own, rows } = self;
+        let [own, coarser] = own;
+        own.clear();
+        own.extend_from_slice(tiles);
+        let (mut width, mut height) = (tiling.columns, tiling.rows);
+        for level in levels {
+            (level.columns, level.rows) = (width, height);
+            around(own, width, rows, &mut level.around);
+            let columns = width.div_ceil(2);
+            coarser.clear();
+            for pair in own.chunks(2 * width) {
+                let (upper, lower) = pair.split_at(width);
+                for column in (0..width).step_by(2) {
+                    let mut sum = Sum::ZERO;
+                    for row in [upper, lower] {
+                        row.iter().skip(column).take(2).for_each(|more| sum.add(more));
+                    }
+                    coarser.push(sum);
+                }
+            }
+            std::mem::swap(own, coarser);
+            (width, height) = (columns, height.div_ceil(2));
+        }
+    }
+}
+
+/// Sums of three by three: first along rows, then of three rows.
+fn around(own: &[Sum], width: usize, along: &mut Vec<Sum>, to: &mut Vec<Sum>) {
+    along.clear();
+    for row in own.chunks(width) {
+        for at in 0..width {
+            let mut sum = row[at];
+            if at > 0 {
+                sum.add(&row[at - 1]);
+            }
+            if at + 1 < width {
+                sum.add(&row[at + 1]);
+            }
+            along.push(sum);
+        }
+    }
+    to.clear();
+    for at in 0..along.len() {
+        let mut sum = along[at];
+        if at >= width {
+            sum.add(&along[at - width]);
+        }
+        if let Some(below) = along.get(at + width) {
+            sum.add(below);
+        }
+        to.push(sum);
+    }
+}

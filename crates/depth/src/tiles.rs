@@ -1,0 +1,116 @@
+//! Sums of the pixels of each tile.
+
+use crate::camera::{Camera, is_measurement};
+use crate::sum::Sum;
+
+/// A tile has so many columns and rows of pixels.
+pub(crate) const TILE: usize = 8;
+
+/// How tiles lie in an image. Those at its right and lower edge may be cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Tiling {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl Tiling {
+    pub(crate) fn of(camera: &Camera) -> Self {
+        Self { columns: camera.width.div_ceil(TILE), rows: camera.height.div_ceil(TILE) }
+    }
+}
+
+/// Sums of the measured pixels of each tile, row by row of tiles, without errors.
+///
+/// A pixel (u, v) with the depth z is at ((u − cx)/fx · z, (v − cy)/fy · z, z), so that the sums of points follow from sums of z and z² with
+/// powers of u and v, column by column of the tile, eight at a time. Depths are taken from one of the tile, so that single
+/// precision is exact enough.
+pub(crate) fn sums(raw: &[u16], camera: &Camera, to: &mut Vec<Sum>) {
+    to.clear();
+    pulp::Arch::new().dispatch(|| all(raw, camera, to));
+}
+
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn all(raw: &[u16], camera: &Camera, to: &mut Vec<Sum>) {
+    let width = camera.width;
+    for (row, band) in raw.chunks(TILE * width).enumerate() {
+        for column in (0..width).step_by(TILE) {
+            let mut tile = [[0_u16; TILE]; TILE];
+            for (of_tile, of_image) in tile.iter_mut().zip(band.chunks_exact(width)) {
+                match of_image[column..].first_chunk::<TILE>() {
+                    Some(pixels) => *of_tile = *pixels,
+                    None => of_tile[..width - column].copy_from_slice(&of_image[column..]),
+                }
+            }
+            let corner = camera.ray([column as f64, (row * TILE) as f64]);
+            to.push(of_tile(&tile, corner, camera.focal.map(f64::recip), camera.unit));
+        }
+    }
+}
+
+/// Sums over pixels of m, m u, m v, m u², m u v, m v², for what m is summed.
+type Powers = [f64; 6];
+
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn of_tile(tile: &[[u16; TILE]; TILE], [x, y]: [f64; 2], [dx, dy]: [f64; 2], unit: f64) -> Sum {
+    let middle = tile[TILE / 2][TILE / 2];
+    let reference = if is_measurement(middle) {
+        middle
+    } else {
+        let Some(any) = tile.as_flattened().iter().copied().find(|raw| is_measurement(*raw)) else {
+            return Sum::ZERO;
+        };
+        any
+    };
+    // By column: sums over rows v of m, m v, m v².
+    let mut ones = [[0.0_f32; TILE]; 3];
+    let mut firsts = [[0.0_f32; TILE]; 3];
+    let mut squares = [[0.0_f32; TILE]; 3];
+    for (v, pixels) in tile.iter().enumerate() {
+        let v = v as f32;
+        for u in 0..TILE {
+            let is_one = if is_measurement(pixels[u]) { 1.0_f32 } else { 0.0 };
+            let off = is_one * (f32::from(pixels[u]) - f32::from(reference));
+            for (sums, m) in [(&mut ones, is_one), (&mut firsts, off), (&mut squares, off * off)] {
+                sums[0][u] += m;
+                sums[1][u] += m * v;
+                sums[2][u] += m * v * v;
+            }
+        }
+    }
+    let (ones, firsts, squares) = (powers(&ones), powers(&firsts), powers(&squares));
+    let reference = f64::from(reference);
+    // Of depths and their squares, in metres.
+    let z: Powers = std::array::from_fn(|k| unit * (reference * ones[k] + firsts[k]));
+    let zz: Powers = std::array::from_fn(|k| {
+        unit * unit * (reference * reference * ones[k] + 2.0 * reference * firsts[k] + squares[k])
+    });
+    let [z1, zu, zv, ..] = z;
+    let [s1, su, sv, suu, suv, svv] = zz;
+    let sum = [x * z1 + dx * zu, y * z1 + dy * zv, z1];
+    let second = [
+        x * x * s1 + 2.0 * x * dx * su + dx * dx * suu,
+        x * y * s1 + x * dy * sv + y * dx * su + dx * dy * suv,
+        x * s1 + dx * su,
+        y * y * s1 + 2.0 * y * dy * sv + dy * dy * svv,
+        y * s1 + dy * sv,
+        s1,
+    ];
+    Sum::of(ones[0], sum, second)
+}
+
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn powers([ones, v, vv]: &[[f32; TILE]; 3]) -> Powers {
+    let mut sums = [0.0_f64; 6];
+    for at in 0..TILE {
+        let u = at as f64;
+        let [m, mv, mvv] = [ones[at], v[at], vv[at]].map(f64::from);
+        for (sum, term) in sums.iter_mut().zip([m, m * u, mv, m * u * u, mv * u, mvv]) {
+            *sum += term;
+        }
+    }
+    sums
+}
