@@ -39,6 +39,15 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A depth image cannot be used.
+    #[error(transparent)]
+    Depth(#[from] terrace_depth::DepthError),
+    /// The pixels of a depth image are no points.
+    #[error(transparent)]
+    DepthImage(#[from] terrace_io::depth::DepthError),
+    /// Points are no scan.
+    #[error(transparent)]
+    Scan(#[from] terrace_types::ScanError),
     /// No planes could be extracted.
     #[error(transparent)]
     Extract(#[from] terrace::ExtractError),

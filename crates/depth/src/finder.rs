@@ -63,6 +63,11 @@ pub struct DepthPlanes {
     pub min_area: f64,
 }
 
+impl DepthPlanes {
+    /// Edge of a tile in pixels.
+    pub const TILE: usize = TILE;
+}
+
 impl PlaneFinder {
     /// For images of this camera, whose errors are those of a model of the sensor, in its frame; without one they are found from each
     /// image.
@@ -129,7 +134,8 @@ impl PlaneFinder {
 
         let fewest = (SHARE_OF_POINTS * points).clamp(FEWEST_POINTS, ENOUGH_POINTS);
         let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
-        let looks: Vec<Looks> = regions.iter().map(|region| Looks::of(region, image, camera, noise)).collect();
+        let looks: Vec<Looks> =
+            regions.iter().map(|region| Looks::of(region, image, camera, noise)).collect();
         let all: f64 = looks.iter().fold(0.0, |sum, looks| sum + looks.area);
         let least = settings.min_area.unwrap_or(SHARE_OF_AREA * all);
         let is_plane = |looks: &Looks| {
@@ -150,7 +156,8 @@ impl PlaneFinder {
         labels.clear();
         labels.resize(raw.len(), 0);
         let of_image = |candidates: &[Option<Candidate>], labels: &mut [u32]| {
-            let told = Labels { camera, tiling, tiles, errors: &errors, noise, owners, reach: settings.reach };
+            let told =
+                Labels { camera, tiling, tiles, errors: &errors, noise, owners, reach: settings.reach };
             told.all(raw, candidates, labels)
         };
         let mut counts = of_image(&candidates, labels);

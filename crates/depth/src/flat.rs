@@ -76,8 +76,15 @@ impl Fitted {
         let across = noise.variance(errors, depth, fit.axes[1].into());
         let thickness = fit.variances[0] * points / (points - 3.0);
         let tilt = (thickness.max(variance) / (points * fit.variances[1])).sqrt();
-        (variance > 0.0 && tilt.is_finite())
-            .then_some(Self { plane, fit, points, variance, thickness, tilt, across })
+        (variance > 0.0 && tilt.is_finite()).then_some(Self {
+            plane,
+            fit,
+            points,
+            variance,
+            thickness,
+            tilt,
+            across,
+        })
     }
 
     /// Mean squared distance of the points in units of the variance of their errors.

@@ -156,13 +156,7 @@ impl<'a, 't> Growing<'a, 't> {
     }
 
     /// Grows and fits until the number of tiles stays; they are of no other region then.
-    fn settled(
-        &mut self,
-        seed: Seed,
-        mut plane: Flat,
-        mut spread: f64,
-        mut before: usize,
-    ) -> Option<Region> {
+    fn settled(&mut self, seed: Seed, mut plane: Flat, mut spread: f64, mut before: usize) -> Option<Region> {
         let mut found: Option<Region> = None;
         for _ in 0..ROUNDS {
             let tiles = self.flood(seed, &plane, spread);
@@ -170,7 +164,9 @@ impl<'a, 't> Growing<'a, 't> {
                 return None;
             }
             let mut sum = Sum::ZERO;
-            tiles.iter().for_each(|tile| sum.add(&self.image.sums[*tile as usize]));
+            for tile in &tiles {
+                sum.add(&self.image.sums[*tile as usize]);
+            }
             let fitted = Fitted::of(&sum, self.noise)?;
             plane = fitted.plane;
             spread = self.spread(&tiles, &plane);

@@ -60,7 +60,12 @@ type Row<T> = [T; TILE];
 
 impl Labels<'_> {
     /// Labels all pixels, row by row: one more than the number of the region, 0 for none. Counts those of each region.
-    pub(crate) fn all(&self, raw: &[u16], candidates: &[Option<Candidate>], labels: &mut [u32]) -> Vec<Count> {
+    pub(crate) fn all(
+        &self,
+        raw: &[u16],
+        candidates: &[Option<Candidate>],
+        labels: &mut [u32],
+    ) -> Vec<Count> {
         let mut counts = vec![Count::default(); candidates.len()];
         pulp::Arch::new().dispatch(|| {
             let width = self.camera.width;
@@ -101,14 +106,18 @@ impl Labels<'_> {
             let Some(candidate) = candidates.get(label as usize - 1).copied().flatten() else { continue };
             let owned = self.owners[at] == label;
             let seen = self.seen([column, row], tile, &candidate, owned);
-            found.extend(seen.map(|near| {
-                Near { label, prior: single(-2.0 * (points / all).ln()), ..near }
-            }));
+            found.extend(seen.map(|near| Near { label, prior: single(-2.0 * (points / all).ln()), ..near }));
         }
         found.sort_unstable_by_key(|near| near.label);
     }
 
-    fn seen(&self, [column, row]: [usize; 2], tile: &Tile, candidate: &Candidate, owned: bool) -> Option<Near> {
+    fn seen(
+        &self,
+        [column, row]: [usize; 2],
+        tile: &Tile,
+        candidate: &Candidate,
+        owned: bool,
+    ) -> Option<Near> {
         let Flat { normal: n, point } = candidate.plane;
         let [width, height] = self.camera.focal;
         let [x, y] = self.camera.ray([(column * TILE) as f64, (row * TILE) as f64]);

@@ -2,8 +2,8 @@
 
 mod around;
 mod camera;
-mod errors;
 mod error;
+mod errors;
 mod finder;
 mod flat;
 mod grow;

@@ -30,12 +30,7 @@ pub(crate) fn near(at: usize, columns: usize, rows: usize) -> impl Iterator<Item
 
 /// Places up to so many steps away in rows and columns, the place itself among them.
 #[inline]
-pub(crate) fn within(
-    steps: usize,
-    at: usize,
-    columns: usize,
-    rows: usize,
-) -> impl Iterator<Item = usize> {
+pub(crate) fn within(steps: usize, at: usize, columns: usize, rows: usize) -> impl Iterator<Item = usize> {
     let (column, row) = (at % columns, at / columns);
     let range = move |at: usize, size: usize| at.saturating_sub(steps)..(at + steps + 1).min(size);
     range(row, rows).flat_map(move |row| range(column, columns).map(move |column| row * columns + column))
@@ -102,5 +97,36 @@ fn around(own: &[Sum], width: usize, along: &mut Vec<Sum>, to: &mut Vec<Sum>) {
             sum.add(below);
         }
         to.push(sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn sums_around_are_those_of_brute_force((columns, rows) in (1..14_usize, 1..14_usize), salt in 0..97_usize) {
+            let own = |at: usize| Sum::of((at * 31 + salt) as f64 % 97.0, [at as f64, 0.5, 0.0], [1.0; 6]);
+            let tiles: Vec<Sum> = (0..columns * rows).map(own).collect();
+            let mut pyramid = Pyramid::default();
+            // Memory that was used before changes nothing.
+            pyramid.fill(&[Sum::ZERO; 6], Tiling { columns: 3, rows: 2 });
+            pyramid.fill(&tiles, Tiling { columns, rows });
+            for (l, level) in pyramid.levels.iter().enumerate() {
+                prop_assert_eq!(level.columns, columns.div_ceil(1 << l));
+                prop_assert_eq!(level.around.len(), level.columns * level.rows);
+                for (group, found) in level.around.iter().enumerate() {
+                    let (column, row) = (group % level.columns, group / level.columns);
+                    let touches = |at: usize| {
+                        ((at % columns) >> l).abs_diff(column) <= 1 && ((at / columns) >> l).abs_diff(row) <= 1
+                    };
+                    let mut expected = Sum::ZERO;
+                    (0..tiles.len()).filter(|at| touches(*at)).for_each(|at| expected.add(&tiles[at]));
+                    prop_assert!(found.is_near(&expected, 1e-9));
+                }
+            }
+        }
     }
 }

@@ -79,5 +79,16 @@ impl Sum {
 /// nᵀ C n, C given as xx, xy, xz, yy, yz, zz.
 #[inline]
 pub(crate) fn along([xx, xy, xz, yy, yz, zz]: [f64; 6], n: DVec3) -> f64 {
-    xx * n.x * n.x + yy * n.y * n.y + zz * n.z * n.z + 2.0 * (xy * n.x * n.y + xz * n.x * n.z + yz * n.y * n.z)
+    xx * n.x * n.x
+        + yy * n.y * n.y
+        + zz * n.z * n.z
+        + 2.0 * (xy * n.x * n.y + xz * n.x * n.z + yz * n.y * n.z)
+}
+
+#[cfg(test)]
+impl Sum {
+    /// Whether all numbers are the same but for rounding.
+    pub(crate) fn is_near(&self, other: &Self, by: f64) -> bool {
+        self.0.iter().zip(&other.0).all(|(a, b)| (a - b).abs() <= by)
+    }
 }

@@ -114,3 +114,61 @@ fn powers([ones, v, vv]: &[[f32; TILE]; 3]) -> Powers {
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn sums_are_those_of_points_one_by_one(
+            (width, height) in (1..40_usize, 1..40_usize),
+            pixels in prop::collection::vec(prop_oneof![Just(0_u16), Just(u16::MAX), 900..1200_u16, any::<u16>()], 1600),
+        ) {
+            let raw = &pixels[..width * height];
+            let camera = Camera::new([width, height], [500.0, -480.0], [19.5, 7.25], 1000.0).unwrap();
+            let mut found = Vec::new();
+            sums(raw, &camera, &mut found);
+            let tiling = Tiling::of(&camera);
+            let mut expected = vec![([0.0; 4], [0.0; 6]); tiling.columns * tiling.rows];
+            for (at, raw) in raw.iter().enumerate().filter(|(_, raw)| is_measurement(**raw)) {
+                let (u, v) = (at % width, at / width);
+                let [x, y] = camera.ray([u as f64, v as f64]);
+                let z = f64::from(*raw) / 1000.0;
+                let (first, second) = &mut expected[v / TILE * tiling.columns + u / TILE];
+                let p = [x * z, y * z, z];
+                for (sum, term) in first.iter_mut().zip([1.0, p[0], p[1], p[2]]) {
+                    *sum += term;
+                }
+                let products = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+                for (sum, (i, j)) in second.iter_mut().zip(products) {
+                    *sum += p[i] * p[j];
+                }
+            }
+            prop_assert_eq!(found.len(), expected.len());
+            for (found, (first, second)) in found.iter().zip(expected) {
+                let size = first[0].max(1.0) * 66.0 * 66.0;
+                let expected = Sum::of(first[0], [first[1], first[2], first[3]], second);
+                prop_assert!(found.is_near(&expected, 1e-6 * size), "{:?} {:?}", found, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_is_flat_to_a_part_of_a_raw_unit() {
+        // Slanted, a few metres away, in tenths of a millimetre.
+        let camera = Camera::new([64, 48], [500.0, 500.0], [31.5, 23.5], 10_000.0).unwrap();
+        let depth = |u: usize, v: usize| 25_000.0 / (1.0 + 0.002 * u as f64 - 0.001 * v as f64);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let raw: Vec<u16> = (0..64 * 48).map(|at| depth(at % 64, at / 64).round() as u16).collect();
+        let mut found = Vec::new();
+        sums(&raw, &camera, &mut found);
+        for sum in found {
+            let fit = terrace_normals::fit_plane(&sum.stats()).unwrap();
+            // Rounding has a variance of a twelfth of a unit, of which the slant leaves less.
+            let expected = (1e-8_f64 / 12.0).sqrt();
+            assert!((0.5..1.3).contains(&(fit.rms() / expected)), "{} {expected}", fit.rms());
+        }
+    }
+}

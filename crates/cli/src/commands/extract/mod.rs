@@ -7,6 +7,7 @@ mod again;
 mod chunks;
 mod extents;
 mod first_pass;
+mod image;
 mod inputs;
 mod mesh_file;
 mod params;
@@ -31,6 +32,7 @@ use again::{Again, Labelled, labelled};
 pub use chunks::Reading;
 use extents::Extents;
 pub use first_pass::insert_all;
+use image::Lone;
 use inputs::Inputs;
 pub use inputs::{intrinsics, not_measured, read_options, sources};
 pub use mesh_file::MeshFile;
@@ -54,6 +56,9 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
         sources(&args.inputs, args.poses.as_deref(), args.pose_covariances.as_deref(), args.pose_sigma)?;
     let mut progress = Progress::new(args.quiet);
     let mut timings = Timings::default();
+    if let Some(image) = Lone::of(args, &sources, &options) {
+        return image.extract(args, &options, &mut progress, (start, timings));
+    }
 
     let reading = Reading::with(&options);
     let inputs = insert_all(&mut mapper, &sources, reading, &mut progress, &mut timings)?;
