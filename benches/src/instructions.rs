@@ -72,13 +72,12 @@ impl Counts {
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SceneError> {
         let Conditions { compiler, c_library, processor } = &self.conditions;
+        let (compiler, c_library, processor) = (json!(compiler), json!(c_library), json!(processor));
         let lines: Vec<String> = self.loops.iter().map(|count| format!("    {}", count.to_json())).collect();
+        let loops = lines.join(",\n");
         let text = format!(
-            "{{\n  \"compiler\": {},\n  \"c_library\": {},\n  \"processor\": {},\n  \"loops\": [\n{}\n  ]\n}}\n",
-            json!(compiler),
-            json!(c_library),
-            json!(processor),
-            lines.join(",\n")
+            "{{\n  \"compiler\": {compiler},\n  \"c_library\": {c_library},\n  \"processor\": {processor},\n  \
+             \"loops\": [\n{loops}\n  ]\n}}\n"
         );
         Ok(fs::write(path, text)?)
     }
@@ -101,9 +100,11 @@ impl Counts {
 }
 
 impl Count {
-    fn to_json(&self) -> Value {
+    /// The name first, which a map of JSON would not keep there.
+    fn to_json(&self) -> String {
         let Self { name, instructions, done, of } = self;
-        json!({ "name": name, "instructions": instructions, "done": done, "of": of })
+        let (name, of) = (json!(name), json!(of));
+        format!("{{ \"name\": {name}, \"instructions\": {instructions}, \"done\": {done}, \"of\": {of} }}")
     }
 
     fn from_json(value: &Value) -> Option<Self> {
@@ -208,17 +209,15 @@ impl Comparison<'_> {
         };
         writeln!(f, "tolerance: {:.0} %", 100.0 * tolerance)?;
         for count in &self.now.loops {
+            let name = &count.name;
             match self.change(count) {
-                Change::New => writeln!(f, "FAILED: {} has no stored count, see --record", count.name)?,
-                change if is_worse(change, tolerance) => {
-                    writeln!(f, "FAILED: {} takes more instructions than it did", count.name)?;
+                Change::New => writeln!(f, "FAILED: {name} has no stored count, see --record")?,
+                Change::By(by) if is_worse(Change::By(by), tolerance) => {
+                    writeln!(f, "FAILED: {name} takes {:+.2} % instructions", 100.0 * by)?;
                 }
                 Change::By(by) if by < -tolerance => {
-                    writeln!(
-                        f,
-                        "{} takes fewer instructions: --record, or this may be lost again",
-                        count.name
-                    )?;
+                    let by = 100.0 * by;
+                    writeln!(f, "{name} takes {by:+.2} %: --record, or it may come back unseen")?;
                 }
                 Change::By(_) => {}
             }
@@ -253,7 +252,7 @@ mod tests {
     fn more_than_the_tolerance_fails_and_fewer_is_told() {
         let stored = counts(&[("a", 1000), ("b", 1000)]);
         for (instructions, passes, told) in
-            [(1029, true, "tolerance: 3 %"), (1031, false, "FAILED: b"), (900, true, "b takes fewer")]
+            [(1029, true, "tolerance: 3 %"), (1031, false, "FAILED: b"), (900, true, "b takes -10.00 %")]
         {
             let now = counts(&[("a", 1000), ("b", instructions)]);
             let comparison = stored.compare(&now);
