@@ -29,10 +29,11 @@ const fn named(name: &'static str, of: &'static str, run: fn() -> Outcome<usize>
     Loop { name, of, run }
 }
 
-pub(crate) const ALL: [Loop; 14] = [
+pub(crate) const ALL: [Loop; 15] = [
     named("choose the cell size", "point", cell_size),
     named("cells and sums", "point", || insert(&Room::new()?)),
     named("cells and sums, shuffled", "point", || insert(&Room::new()?.shuffled())),
+    named("cells found again", "point", find_again),
     named("samples", "point", samples),
     named("cells of twice the edge", "cell", halved),
     named("eigen-solver", "matrix", eigen),
@@ -145,11 +146,11 @@ impl Dense {
 
     fn normals(&self) -> Vec<Option<UncertainVector>> {
         let mut walk = Walk::default();
-        let mut normal = |cell| {
+        let normal = |cell| {
             let around = walk.neighbourhood(&self.graph, cell, 1);
             estimate(around.iter().map(|near| &self.stats[*near as usize]), FitTo::Points).ok()
         };
-        let normals = (0..self.graph.len()).map(|cell| normal(cell));
+        let normals = (0..self.graph.len()).map(normal);
         normals.map(|normal| normal.as_ref().map(UncertainNormal::as_vector)).collect()
     }
 }
@@ -163,6 +164,14 @@ fn cell_size() -> Outcome<usize> {
 
 fn insert(room: &Room) -> Outcome<usize> {
     Ok(counted(|| Gridded::of(room))?.cells.len())
+}
+
+fn find_again() -> Outcome<usize> {
+    let room = Room::new()?;
+    let grid = Gridded::of(&room)?.grid;
+    let (mut cells, mut places) = (Vec::new(), Vec::new());
+    counted(|| grid.find_all(&room.points, &mut cells, &mut places));
+    Ok(cells.len())
 }
 
 fn samples() -> Outcome<usize> {
