@@ -32,8 +32,8 @@ PROGRAMS = {
     "threecrate": [str(BUILT / "threecrate/release/terrace-threecrate")],
 }
 TERRACE = str(TARGET / "release/terrace")
-# terrace too; then CPU seconds are not those of threads that wait for each other.
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+# Of CPU time for one run, where settings.json has no other limit.
+LIMIT = 60
 
 MEASURES = {"f1_50": "F1@.5", "f1_80": "F1@.8", "weighted_cover": "wcov", "non_planar_claimed": "np"}
 
@@ -60,15 +60,21 @@ class Result:
     failure: str = ""
     cpu: float = 0.0
     peak: float = 0.0
+    clock: float = None
     measures: dict = None
 
 
-def export(folder, words, options):
+def on_threads(count):
+    """The environment. On one thread, as all but --threads, CPU seconds are not those of threads that wait for each other."""
+    return os.environ | {name: str(count) for name in ("OMP_NUM_THREADS", "RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+
+
+def export(folder, words, options, threads=1):
     """Every scene as files, with the planes of terrace, by these options of the scoreboard. Earlier files go."""
     shutil.rmtree(folder, ignore_errors=True)
     command = ["cargo", "bench", "--quiet", "--locked", "-p", "terrace-benches", "--bench", "scores", "--"]
     ended = subprocess.run([*command, *options, "--export", str(folder), *words], cwd=REPOSITORY,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=os.environ | ONE_THREAD)
+                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=on_threads(threads))
     if ended.returncode != 0:
         sys.exit(f"the scoreboard failed:\n{ended.stderr.decode(errors='replace')}")
 
@@ -83,13 +89,14 @@ def scenes(folder, groups):
     return sorted(found, key=lambda s: (groups.index(s.group), len(s.name), s.name))
 
 
-def terrace(scene, name, options):
+def terrace(scene, name, options, threads=1):
     """In a process of its own, so that its peak of memory is its own: of all names with this one in them, it comes first."""
     folder = BUILT / "terrace" / name / scene.name
-    export(folder, [scene.name], options)
+    export(folder, [scene.name], options, threads)
     folder = folder / scene.name
     costs = json.loads((folder / "terrace.json").read_text())
-    return Result(scene, name, "default", folder / "terrace.npy", "", costs["cpu_seconds"], costs["peak_mb"] or 0.0)
+    peak = costs["peak_mb"] or 0.0
+    return Result(scene, name, "default", folder / "terrace.npy", "", costs["cpu_seconds"], peak, costs["clock_seconds"])
 
 
 def run(scene, program, setting, limit):
@@ -99,7 +106,7 @@ def run(scene, program, setting, limit):
     result = Result(scene, program, setting, labels)
     ended = subprocess.run(
         [*PROGRAMS[program], str(scene.folder / "points.npy"), str(labels), str(costs), *setting.split()],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=os.environ | ONE_THREAD,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=on_threads(1),
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1)))
     if ended.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         result.failure = f"over {limit} s"
@@ -134,26 +141,35 @@ def mean(results, measure):
     return statistics.fmean(values) if values else None
 
 
-def row(name, results):
-    """A line of the table: of one scene, or the mean of several."""
+def row(name, results, ours, clock):
+    """A line of the table: of one scene, or the mean of several, beside what terrace took for them."""
     first = results[0]
     cells = [name, first.program, first.setting]
     failed = [r for r in results if r.failure]
     if failed:
         of = f" ({len(failed)} of {len(results)})" if len(results) > 1 else ""
-        return [*cells, failed[0].failure + of, *[""] * (len(MEASURES) + 2)]
+        return [*cells, failed[0].failure + of, *[""] * (len(MEASURES) + 3 + clock)]
     for measure in MEASURES:
         value = mean(results, measure)
         cells.append("" if value is None else f"{value:.3f}")
     cpu = sum(r.cpu for r in results)
     points = sum(r.scene.points for r in results)
     speed = f"{points / cpu / 1e6:.2f}" if cpu > 0 else ""
-    return [*cells, f"{cpu / len(results):.3f}", speed, f"{max(r.peak for r in results):.0f}"]
+    cells += [f"{cpu / len(results):.3f}", speed, f"{cpu / ours:.2f}" if ours else ""]
+    if clock:
+        cells.append(f"{sum(r.clock for r in results) / len(results):.3f}" if first.clock else "")
+    return [*cells, f"{max(r.peak for r in results):.0f}"]
 
 
-def table(results, each):
-    lines = [["scene", "program", "setting", *MEASURES.values(), "CPU s", "Mpts per CPU s", "peak MB"]]
+def table(results, each, clock=False):
+    costs = ["CPU s", "Mpts per CPU s", "CPU s / terrace", *(["clock s"] if clock else []), "peak MB"]
+    lines = [["scene", "program", "setting", *MEASURES.values(), *costs]]
     lines.append(["---"] * len(lines[0]))
+    ours = {r.scene.name: r.cpu for r in results if r.program == "terrace"}
+
+    def line(name, of):
+        return row(name, of, sum(ours.get(r.scene.name, 0.0) for r in of), clock)
+
     for _, group in itertools.groupby(results, key=lambda r: r.scene.group):
         programs = {}
         for result in group:
@@ -162,11 +178,11 @@ def table(results, each):
         members = of_scenes[0]
         if each or len(members) == 1:
             for i, member in enumerate(members):
-                lines += [row(member.scene.name, [of[i]]) for of in of_scenes]
+                lines += [line(member.scene.name, [of[i]]) for of in of_scenes]
         if len(members) > 1:
             name = f"{members[0].scene.group}, mean of {len(members)}"
-            lines += [row(name, of) for of in of_scenes]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+            lines += [line(name, of) for of in of_scenes]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
 
 
 def number(value):
@@ -189,6 +205,10 @@ def candidates(grid, group, program):
         yield " ".join(f"{name}={value}" for name, value in zip(names, chosen))
 
 
+def limit_of(group, settings, arguments):
+    return arguments.limit or settings["limits"].get(group, LIMIT)
+
+
 def sweep(found, programs, grid, settings, arguments):
     """The best setting of each program for each group, by the mean F1@.8, then by wcov."""
     for group in dict.fromkeys(s.group for s in found):
@@ -196,7 +216,8 @@ def sweep(found, programs, grid, settings, arguments):
         for program in programs:
             tried = list(dict.fromkeys(candidates(grid, group, program)))
             with ThreadPoolExecutor(arguments.jobs) as pool:
-                asked = [[pool.submit(run, s, program, setting, arguments.limit) for s in members] for setting in tried]
+                limit = limit_of(group, settings, arguments)
+                asked = [[pool.submit(run, s, program, setting, limit) for s in members] for setting in tried]
                 rows = [[future.result() for future in futures] for futures in asked]
             evaluate([r for results in rows for r in results])
             good = [results for results in rows if not any(r.failure for r in results)]
@@ -222,7 +243,10 @@ def main():
     parser.add_argument("--each", action="store_true", help="each scene of a group as well as their mean")
     parser.add_argument("--runs", type=int, default=1, metavar="N",
                         help="that of least CPU time out of so many [default: 1]")
-    parser.add_argument("--limit", type=int, default=60, metavar="SECONDS", help="of CPU time for one run [default: 60]")
+    parser.add_argument("--limit", type=int, metavar="SECONDS",
+                        help=f"of CPU time for one run [default: that of the group in settings.json, or {LIMIT}]")
+    parser.add_argument("--threads", type=int, metavar="N",
+                        help="also terrace on so many threads, and its time by the clock")
     parser.add_argument("--sweep", action="store_true", help="try the settings of grids.json instead, print the best")
     parser.add_argument("--top", type=int, default=3, metavar="N", help="how many --sweep prints, and that of the greatest wcov [default: 3]")
     parser.add_argument("--write", action="store_true", help="put the best of --sweep into settings.json")
@@ -258,17 +282,22 @@ def main():
         if not arguments.program or "terrace" in arguments.program:
             for name, options in settings["terrace"].items():
                 results.append(fastest(arguments.runs, terrace, scene, name, options))
+            if arguments.threads:
+                name = f"terrace, {arguments.threads} threads"
+                results.append(fastest(arguments.runs, terrace, scene, name, [], arguments.threads))
         chosen = settings["groups"][scene.group]
         for program in programs:
             if program not in chosen:
                 print(f"{program} is left out: no setting for {scene.group} in settings.json, see --sweep", file=sys.stderr)
             else:
-                results.append(fastest(arguments.runs, run, scene, program, chosen[program], arguments.limit))
+                limit = limit_of(scene.group, settings, arguments)
+                results.append(fastest(arguments.runs, run, scene, program, chosen[program], limit))
     evaluate(results)
-    print(table(results, arguments.each))
+    print(table(results, arguments.each, bool(arguments.threads)))
     if arguments.json:
         lines = [{"scene": r.scene.name, "group": r.scene.group, "program": r.program, "setting": r.setting,
-                  "failure": r.failure or None, "cpu_seconds": r.cpu, "peak_mb": r.peak, "measures": r.measures}
+                  "failure": r.failure or None, "cpu_seconds": r.cpu, "clock_seconds": r.clock, "peak_mb": r.peak,
+                  "measures": r.measures}
                  for r in results]
         arguments.json.write_text(json.dumps(lines, indent=1) + "\n")
 

@@ -38,6 +38,7 @@ pub fn write(folder: &Path, entry: &Entry, scene: &Labelled, score: &Score) -> R
         "group": if entry.group.is_empty() { &entry.name } else { entry.group },
         "points": count,
         "cpu_seconds": value(&score.measures, "cpu_seconds"),
+        "clock_seconds": value(&score.measures, "clock_seconds"),
         "peak_mb": value(&score.measures, "peak_mib"),
     });
     Ok(fs::write(folder.join("terrace.json"), costs.to_string())?)

@@ -1,7 +1,9 @@
-//! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux.
+//! Helpers of the whole-program benches: what a process has used so far, read from `/proc` of Linux, labelled scenes, counts of
+//! instructions.
 
 pub mod ablation;
 pub mod export;
+pub mod instructions;
 pub mod labelled;
 pub mod overlap;
 pub mod peers;

@@ -1,6 +1,7 @@
 //! What the default settings find in a labelled scene, and how good that is.
 
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 use terrace::{ExtractedPlane, Mapper, Params, PlaneId};
 use terrace_eval::{Contingency, Evaluation, Measure, PlaneAt, Spread};
@@ -31,13 +32,13 @@ impl Score {
     pub fn of(scene: &Labelled, params: Params) -> Result<Self, SceneError> {
         // Where the peak cannot be forgotten, that of an earlier scene may be higher.
         let alone = Usage::forget_peak().is_ok();
-        let begin = Usage::now()?;
+        let (begin, clock) = (Usage::now()?, Instant::now());
         let mut mapper = Mapper::new(params)?;
         for scan in &scene.scans {
             mapper.insert(scan)?;
         }
         let map = mapper.extract()?;
-        let end = Usage::now()?;
+        let (end, clock) = (Usage::now()?, clock.elapsed());
 
         let found: Vec<i32> = map.labels.iter().map(|id| PlaneId::label(*id)).collect();
         let evaluation = Evaluation::of(&Contingency::of_numbers(&scene.truth, &found)?);
@@ -59,6 +60,7 @@ impl Score {
             Measure::new("offset_millimetres_median", offset.map(|s| 1000.0 * s.median)),
             Measure::new("cell_size", Some(map.used.cell_size)),
             Measure::new("cpu_seconds", Some(end.cpu - begin.cpu)),
+            Measure::new("clock_seconds", Some(clock.as_secs_f64())),
             Measure::new("peak_mib", alone.then_some(end.peak)),
         ]);
         Ok(Self { measures, found, overlaps, planes: map.planes })

@@ -1,4 +1,5 @@
-//! Inserting a scan by either rule, in scan order and shuffled; the graph of dense cells; walking neighbourhoods; merging.
+//! Inserting a scan by either rule, in scan order and shuffled; finding its cells again; cells of twice the edge; the graph of dense cells;
+//! walking neighbourhoods; merging.
 
 // A bench has no caller to report to.
 #![allow(clippy::unwrap_used)]
@@ -61,6 +62,24 @@ fn insert(c: &mut Criterion) {
     group.finish();
 }
 
+fn find(c: &mut Criterion) {
+    let mut group = c.benchmark_group("find all");
+    let ordered = scan();
+    group.throughput(Throughput::Elements(u64::from(WIDTH * HEIGHT)));
+    for (order, points) in [("scan order", &ordered), ("shuffled", &shuffled(&ordered))] {
+        let grid = grid_of(points, Assignment::Voxel);
+        let points: Vec<[f64; 3]> = points.iter().map(|point| point.value).collect();
+        group.bench_function(order, |b| {
+            b.iter(|| {
+                let (mut cells, mut places) = (Vec::new(), Vec::new());
+                grid.find_all(black_box(&points), &mut cells, &mut places);
+                (cells, places)
+            });
+        });
+    }
+    group.finish();
+}
+
 fn graph(c: &mut Criterion) {
     let grid = grid_of(&scan(), Assignment::Voxel);
     let dense = grid.dense(5, Connectivity::Corners);
@@ -68,6 +87,11 @@ fn graph(c: &mut Criterion) {
     let mut group = c.benchmark_group("cells");
     group.throughput(Throughput::Elements(grid.len() as u64));
     group.bench_function("dense", |b| b.iter(|| black_box(&grid).dense(5, Connectivity::Corners)));
+    let mut halves = VoxelGrid::of_halves(2.0 * CELL).unwrap();
+    for point in &scan() {
+        halves.insert(point).unwrap();
+    }
+    group.bench_function("of twice the edge", |b| b.iter(|| black_box(&halves).halved().unwrap()));
     group.bench_function("iterate in order", |b| {
         b.iter(|| black_box(&grid).iter().map(|c| c.density()).sum::<u64>());
     });
@@ -93,5 +117,5 @@ fn graph(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, insert, graph);
+criterion_group!(benches, insert, find, graph);
 criterion_main!(benches);

@@ -1,4 +1,5 @@
-//! Insertion of a hundred thousand points of a room, extraction of its planes, and the choice of a cell size.
+//! Insertion of a hundred thousand points of a room, extraction of its planes, labels of points that were not kept, and the choice of a
+//! cell size.
 #![allow(clippy::unwrap_used, reason = "a bench has no caller to report to")]
 
 use std::hint::black_box;
@@ -34,6 +35,19 @@ fn benches(c: &mut Criterion) {
             b.iter(|| black_box(&mapper).extract().unwrap().planes.len());
         });
     }
+    let mut mapper = Mapper::streaming(Params::default()).unwrap();
+    for scan in &scans {
+        mapper.insert(scan).unwrap();
+    }
+    c.bench_function("label again/100000 points/default", |b| {
+        let (_, mut labels) = mapper.extract_streamed(|_| {}).unwrap();
+        let mut of_scan = Vec::new();
+        b.iter(|| {
+            for (view, scan) in scans.iter().enumerate() {
+                labels.label(view, black_box(scan), &mut of_scan);
+            }
+        });
+    });
 }
 
 criterion_group! {

@@ -1,4 +1,4 @@
-//! The eigen-solver beside faer, plane fits, and the normal of a neighbourhood with its uncertainty.
+//! The eigen-solver beside faer, plane fits, the normal of a neighbourhood with its uncertainty, and a plane with its covariance.
 
 // A bench has no caller to report to.
 #![allow(clippy::unwrap_used)]
@@ -9,7 +9,9 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use faer::{Mat, Side};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_normals::{FitTo, estimate, fit_centres, fit_plane, symmetric_eigen, symmetric_eigen_batch};
+use terrace_normals::{
+    CovariantPlane, FitTo, estimate, fit_centres, fit_plane, symmetric_eigen, symmetric_eigen_batch,
+};
 use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
 
 const MATRICES: usize = 1024;
@@ -75,6 +77,9 @@ fn planes(c: &mut Criterion) {
             b.iter(|| estimate(black_box(&cells), to).unwrap());
         });
     }
+    c.bench_function("covariant plane of 9 cells", |b| {
+        b.iter(|| CovariantPlane::of_cells(black_box(&cells)).unwrap());
+    });
 }
 
 criterion_group!(benches, eigen, planes);

@@ -1,4 +1,5 @@
-//! The planes of a simulated room: four walls, floor, ceiling, a door set back, a table and a pillar.
+//! The planes of a simulated room: four walls, floor, ceiling, a door set back, a table and a pillar. At once, and step by step: samples of
+//! cells, planes of cells and samples, labels of points.
 
 // A bench has no caller to report to, and a room is small.
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a bench")]
@@ -6,10 +7,10 @@
 use std::collections::HashMap;
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_regions::{Cell, Points, Settings, segment, sums_around};
+use terrace_regions::{Cell, Points, Samples, Settings, find, segment, sums_around};
 use terrace_stats::{Stats, UncertainVector};
 
 const SIGMA: f64 = 0.01;
@@ -68,14 +69,35 @@ fn regions(c: &mut Criterion) {
         places.push([0, 1, 2].map(|i| (point[i] - anchor[i]) as f32));
     }
     let points = Points { cells: &cell_of, places: &places };
-    let find = |points: Points| segment(&cells, EDGE, points, &Settings::default()).unwrap();
-    let found = find(points);
+    let at_once = |points: Points| segment(&cells, EDGE, points, &Settings::default()).unwrap();
+    let found = at_once(points);
     println!("{} points in {} cells: {} planes", places.len(), cells.len(), found.regions.len());
 
     let mut group = c.benchmark_group("room");
     group.sample_size(20);
-    group.bench_function("segment", |b| b.iter(|| find(black_box(points))));
+    group.bench_function("segment", |b| b.iter(|| at_once(black_box(points))));
     group.bench_function("sums around cells", |b| b.iter(|| sums_around(black_box(&cells))));
+
+    let sampled = || {
+        let mut samples = Samples::default();
+        samples.push_all(|point| cell_of[point], &places);
+        samples
+    };
+    let samples = sampled();
+    let planes = || {
+        let of_cell = |cell: usize| samples.of(cell as u32);
+        find(&cells, EDGE, places.len() as u64, of_cell, &Settings::default()).unwrap()
+    };
+    group.bench_function("find", |b| b.iter(planes));
+    let labeller = planes().labeller;
+    let mut labels = vec![None; places.len()];
+    group.throughput(Throughput::Elements(places.len() as u64));
+    group.bench_function("samples", |b| b.iter(sampled));
+    group.bench_function("labels", |b| {
+        b.iter(|| {
+            labeller.label_all(|point| cell_of[point], black_box(&places), |at, label| labels[at] = label)
+        });
+    });
     group.finish();
 }
 
