@@ -7,6 +7,7 @@
 
 use std::error::Error;
 use std::process::{Command, ExitCode, Stdio};
+use std::time::Instant;
 
 use terrace::{Mapper, Params, Scan, Stage};
 use terrace_benches::{Usage, scenes};
@@ -39,15 +40,16 @@ fn main() -> ExitCode {
     )
 }
 
-/// Seconds of CPU per stage, the load first, then points, planes, and MiB: held as input, at the peak.
-type Row = [f64; STAGES.len() + 4];
+/// Seconds of CPU per stage, the load first, then points, planes, MiB held as input and at the peak, and seconds by the clock of all but
+/// the load.
+type Row = [f64; STAGES.len() + 5];
 
 fn table() -> Outcome<()> {
     println!(
-        "| input | preset | points | threads | {} | all but load | points per CPU second | input MiB | peak MiB | planes |",
+        "| input | preset | points | threads | {} | all but load | by the clock | points per CPU second | input MiB | peak MiB | planes |",
         STAGES.join(" | ")
     );
-    println!("|{}", "---|".repeat(STAGES.len() + 9));
+    println!("|{}", "---|".repeat(STAGES.len() + 10));
     for input in INPUTS {
         if input == "room300k" && scenes::path(ROOM).is_none() {
             println!();
@@ -69,10 +71,10 @@ fn work(row: &Row) -> f64 {
 }
 
 fn print_row(input: &str, preset: &str, threads: &str, row: &Row) {
-    let [points, planes, held, peak] = [0, 1, 2, 3].map(|i| row[STAGES.len() + i]);
+    let [points, planes, held, peak, clock] = [0, 1, 2, 3, 4].map(|i| row[STAGES.len() + i]);
     let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{s:.3}")).collect();
     println!(
-        "| {input} | {preset} | {points} | {threads} | {} | {:.3} | {:.2e} | {held:.0} | {peak:.0} | {planes} |",
+        "| {input} | {preset} | {points} | {threads} | {} | {:.3} | {clock:.3} | {:.2e} | {held:.0} | {peak:.0} | {planes} |",
         stages.join(" | "),
         work(row),
         points / work(row)
@@ -97,6 +99,7 @@ fn case(args: &[String]) -> Outcome<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse()?).build()?;
     let scans = load(input)?;
     let loaded = Usage::now()?;
+    let began = Instant::now();
 
     let mut mapper = Mapper::new(params)?;
     pool.install(|| scans.iter().try_for_each(|scan| mapper.insert(scan).map(drop)))?;
@@ -113,7 +116,7 @@ fn case(args: &[String]) -> Outcome<()> {
     if let Some(error) = failed {
         return Err(error.into());
     }
-    let end = Usage::now()?;
+    let (end, clock) = (Usage::now()?, began.elapsed());
     begun.push((STAGES.len(), end.cpu));
 
     let mut row = vec![0.0; STAGES.len()];
@@ -121,7 +124,13 @@ fn case(args: &[String]) -> Outcome<()> {
     for pair in begun.windows(2) {
         row[pair[0].0] += pair[1].1 - pair[0].1;
     }
-    row.extend([mapper.len() as f64, map.planes.len() as f64, loaded.resident, end.peak]);
+    row.extend([
+        mapper.len() as f64,
+        map.planes.len() as f64,
+        loaded.resident,
+        end.peak,
+        clock.as_secs_f64(),
+    ]);
     println!("{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
     Ok(())
 }

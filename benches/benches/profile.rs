@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 
 use terrace::choose_cell_size;
 use terrace_benches::Usage;
-use terrace_grid::{PointErrors, VoxelGrid};
+use terrace_grid::{CellId, PointErrors, VoxelGrid};
 use terrace_regions::{Cell, Samples, Settings, find};
 use terrace_synth::Scene;
 use terrace_types::{Frame, Sigma};
@@ -73,18 +73,23 @@ fn profile(points: usize) -> Outcome<()> {
             .collect();
         done(&mut best)?;
         let mut grid = VoxelGrid::of_halves(size)?;
-        let (mut cells, mut places) = (Vec::new(), Vec::new());
+        let mut kept = Vec::new();
         for (points, scan) in moved.iter().zip(&scans) {
+            let (mut cells, mut places) =
+                (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
             let errors = match scan.sigma() {
                 Sigma::PerPoint(all) => PointErrors::Each(all),
                 _ => PointErrors::None,
             };
             grid.insert_all(points, errors, &mut cells, Some(&mut places))?;
+            kept.push((cells, places));
         }
         done(&mut best)?;
         let mut samples = Samples::default();
-        let cell = |at: usize| cells[at].and_then(|cell| u32::try_from(cell.index()).ok());
-        samples.push_all(cell, &places);
+        let number = |cell: &Option<CellId>| cell.and_then(|cell| u32::try_from(cell.index()).ok());
+        for (cells, places) in &kept {
+            samples.push_all(|at| number(&cells[at]), places);
+        }
         done(&mut best)?;
         black_box(grid.halved()?);
         done(&mut best)?;
@@ -92,12 +97,21 @@ fn profile(points: usize) -> Outcome<()> {
             grid.founded().map(|cell| Cell { key: cell.key(), stats: cell.stats() }).collect();
         done(&mut best)?;
         let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
-        let found = find(&fine, grid.cell_size(), cells.len() as u64, of_cell, &Settings::default())?;
+        let found = find(&fine, grid.cell_size(), points as u64, of_cell, &Settings::default())?;
         done(&mut best)?;
-        let mut labels: Vec<Option<NonZeroU32>> = vec![None; cells.len()];
-        black_box(found.labeller.label_all(cell, &places, |at, label| {
-            labels[at] = label.and_then(|label| NonZeroU32::new(label + 1));
-        }));
+        let mut labels: Vec<Option<NonZeroU32>> = vec![None; points];
+        let mut rest = &mut labels[..];
+        for (cells, places) in &kept {
+            let (of_scan, others) = rest.split_at_mut(cells.len());
+            rest = others;
+            black_box(found.labeller.label_all(
+                |at| number(&cells[at]),
+                places,
+                |at, label| {
+                    of_scan[at] = label.and_then(|label| NonZeroU32::new(label + 1));
+                },
+            ));
+        }
         black_box(&labels);
         done(&mut best)?;
         (planes, occupied) = (found.regions.len(), fine.len());

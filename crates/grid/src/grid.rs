@@ -202,6 +202,18 @@ impl VoxelGrid {
     #[inline]
     pub(crate) fn home_or_new(&mut self, key: VoxelKey) -> Result<(Home, bool), GridError> {
         let block_key = BlockKey::of(key);
+        if let Some((last, part, block)) = self.last[block_key.recent()]
+            && last == block_key
+            && let Some(slot) = self.parts[part as usize].slot(block, place_of(key))
+        {
+            return Ok((Home { part, slot }, false));
+        }
+        self.looked_up_or_new(key, block_key)
+    }
+
+    /// The same, for a block or a cell that was not met just before.
+    #[inline(never)]
+    fn looked_up_or_new(&mut self, key: VoxelKey, block_key: BlockKey) -> Result<(Home, bool), GridError> {
         let (part, block) = match self.block_of(block_key) {
             Some(known) => known,
             None if self.homes.len() < MOST_CELLS => {

@@ -69,7 +69,9 @@ fn at_once(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned, thr
             PointErrors::Covariances(all) => PointErrors::Covariances(&all[range.clone()]),
             all => all,
         };
-        pool.install(|| grid.insert_all(&points[range], errors, &mut cells, Some(&mut places))).unwrap()
+        let (alone, places) = (threads == 2 && range.start > 0, Some(&mut places));
+        let insert = if alone { VoxelGrid::insert_alone } else { VoxelGrid::insert_all };
+        pool.install(|| insert(&mut grid, &points[range], errors, &mut cells, places)).unwrap()
     });
     Outcome { cells, places, taken: taken.into(), sums: sums(&grid) }
 }

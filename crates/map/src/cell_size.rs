@@ -1,5 +1,7 @@
 //! A cell size from the data.
 
+use std::borrow::Cow;
+
 use foldhash::fast::FixedState;
 use hashbrown::HashMap;
 use terrace_noise::PoseNoise;
@@ -13,6 +15,8 @@ const SPACINGS: f64 = 5.0;
 const SIGMAS: f64 = 6.0;
 /// Bits that tell which voxels are near a place: many more than there are such voxels.
 const MARKS: usize = 1 << 17;
+/// Points whose marks are looked for at once.
+const BATCH: usize = 128;
 /// Places at which the scan is looked at.
 const SAMPLES: usize = 256;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
@@ -51,8 +55,11 @@ pub(crate) fn choose_from(scan: &Scan, pose: Option<&PoseNoise>) -> Option<CellS
 /// As [`choose_from`], for a scan of which this is a share, spread evenly over its points. Scans are of surfaces: all points are closer to
 /// each other by the root of it. The noise that a share shows is that of all.
 pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64) -> Option<CellSizeChoice> {
-    let points: Vec<[f64; 3]> =
-        scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    let points: Cow<'_, [[f64; 3]]> = if scan.present() == scan.len() {
+        scan.points().into()
+    } else {
+        scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect()
+    };
     if points.len() <= NEAR {
         return None;
     }
@@ -102,7 +109,9 @@ fn first_reach(samples: &[[f64; 3]], points: usize) -> Option<f64> {
 
 /// What is within `reach` of each sample. Only the voxels around samples are filled, so that one look-up per point does.
 fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local> {
-    let key = |p: &[f64; 3]| p.map(|x| floor(x / reach));
+    let per_reach = 1.0 / reach;
+    let key = |p: &[f64; 3]| p.map(|x| floor(x * per_reach));
+    let mut places = [0; BATCH];
     let around = |centre: [i64; 3]| {
         (0..27).map(move |i: i64| {
             [
@@ -119,13 +128,19 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
     for place in buckets.keys().map(mark) {
         marks[place / 64] |= 1 << (place % 64);
     }
-    for point in points {
-        let key = key(point);
-        let place = mark(&key);
-        if marks[place / 64] >> (place % 64) & 1 == 1
-            && let Some(bucket) = buckets.get_mut(&key)
-        {
-            bucket.push(*point);
+    for points in points.chunks(BATCH) {
+        // The same instructions, for more numbers at a time where the processor can.
+        pulp::Arch::new().dispatch(|| {
+            for (place, point) in places.iter_mut().zip(points) {
+                *place = mixed(point.map(|x| lowest_bits(x * per_reach)));
+            }
+        });
+        for (place, point) in places.iter().map(|mixed| place_of(*mixed)).zip(points) {
+            if marks[place / 64] >> (place % 64) & 1 == 1
+                && let Some(bucket) = buckets.get_mut(&key(point))
+            {
+                bucket.push(*point);
+            }
         }
     }
     samples
@@ -149,16 +164,37 @@ fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local
 }
 
 /// The place of a voxel among the marks.
-#[inline]
 fn mark(key: &[i64; 3]) -> usize {
-    let [x, y, z] = key.map(i64::cast_unsigned);
-    let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
-        ^ z.wrapping_mul(0x1656_67b1_9e37_79f9);
-    // The upper bits, as many as there are marks.
+    // Voxels that are 2³² apart share one.
     #[allow(clippy::cast_possible_truncation)]
-    let place = (mixed >> (64 - MARKS.trailing_zeros())) as usize;
-    place
+    place_of(mixed(key.map(|k| k.cast_unsigned() as u32)))
+}
+
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn mixed([x, y, z]: [u32; 3]) -> u32 {
+    let mix = x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b) ^ z.wrapping_mul(0xc2b2_ae35);
+    (mix ^ mix >> 15).wrapping_mul(0x2c1b_3c6d)
+}
+
+/// The upper bits, as many as there are marks.
+#[inline]
+fn place_of(mixed: u32) -> usize {
+    (mixed >> (32 - MARKS.trailing_zeros())) as usize
+}
+
+/// The lowest bits of the largest integer up to a number, for numbers up to 2⁵¹: what is further out is found by no sample.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn lowest_bits(x: f64) -> u32 {
+    /// Added to such numbers it rounds them, and leaves the integer in the lowest bits.
+    const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
+    let nearest = (x + ROUNDING) - ROUNDING;
+    let floor = nearest - if nearest > x { 1.0 } else { 0.0 };
+    #[allow(clippy::cast_possible_truncation)]
+    let bits = (floor + ROUNDING).to_bits() as u32;
+    bits
 }
 
 /// The largest integer up to a number. Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.

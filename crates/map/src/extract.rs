@@ -70,7 +70,10 @@ impl Mapper {
     /// The planes as clusters, and the labels of all points, which are kept.
     fn extract_clusters(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
         let (mut map, plane_of_cell) = self.clusters(begins)?;
-        map.labels = self.kept().cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]).collect();
+        map.labels = Vec::with_capacity(self.len());
+        for kept in self.kept() {
+            map.labels.par_extend(kept.cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]));
+        }
         let seen = seen_by(self.views(), &map.labels, map.planes.len());
         face_sensors(&mut map.planes, &seen, self.views());
         Ok(map)

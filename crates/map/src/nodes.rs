@@ -12,23 +12,32 @@ use crate::Params;
 pub(crate) struct Nodes {
     pub(crate) dense: DenseCells,
     pub(crate) stats: Vec<Stats>,
+    /// None before they are [found](Self::find_normals).
     pub(crate) normals: Vec<Result<UncertainNormal, Degenerate>>,
 }
 
 impl Nodes {
     /// Finds the dense cells and fits a plane to the neighbourhood of each (Definitions 2 and 3).
     pub(crate) fn of(grid: &VoxelGrid, tau: u64, params: &Params) -> Self {
+        let mut nodes = Self::without_normals(grid, tau, params);
+        nodes.find_normals(params);
+        nodes
+    }
+
+    pub(crate) fn without_normals(grid: &VoxelGrid, tau: u64, params: &Params) -> Self {
         let dense = grid.dense(tau, params.connectivity);
         let stats: Vec<Stats> =
             dense.cells().iter().filter_map(|id| grid.get(*id)).map(|cell| cell.stats()).collect();
-        let normals = (0..dense.len())
-            .into_par_iter()
-            .map_init(Walk::default, |walk, node| {
-                let around = walk.neighbourhood(&dense, node, params.depth);
-                estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)
-            })
-            .collect();
-        Self { dense, stats, normals }
+        Self { dense, stats, normals: Vec::new() }
+    }
+
+    pub(crate) fn find_normals(&mut self, params: &Params) {
+        let Self { dense, stats, normals } = self;
+        let found = (0..dense.len()).into_par_iter().map_init(Walk::default, |walk, node| {
+            let around = walk.neighbourhood(dense, node, params.depth);
+            estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)
+        });
+        found.collect_into_vec(normals);
     }
 
     /// Whether the errors of any point are known.

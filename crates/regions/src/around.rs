@@ -1,6 +1,5 @@
 //! The planes around groups of cells, fitted when they are asked for.
 
-use terrace_normals::PlaneFit;
 use terrace_stats::Stats;
 
 use crate::cell::Noise;
@@ -14,12 +13,15 @@ const FEWEST: f64 = 8.0;
 const ROW: f64 = 2.0;
 /// Rounding of a bound, as a share of it.
 const ROUNDING: f64 = 1e-9;
+/// The same of numbers in single precision, as a share of the trace.
+const ROUNDING_SINGLE: f64 = 1e-6;
 
 /// The plane of a neighbourhood.
 #[derive(Debug, Clone)]
 pub(crate) struct Around {
     pub(crate) plane: Flat,
-    fit: PlaneFit,
+    /// Variances of the points along the normal and along the two axes in the plane, in rising order, in m².
+    variances: [f64; 3],
     points: f64,
     /// Mean variance of the errors along the normal and across the longer direction in the plane, as stated, in m².
     stated: f64,
@@ -65,7 +67,7 @@ impl Around {
         let fit = terrace_normals::fit_plane(sum).ok()?;
         let stated = sum.moments().noise().quadratic_form(fit.normal) / points;
         let stated_across = sum.moments().noise().quadratic_form(fit.axes[1]) / points;
-        Some(Self { plane: Flat::of(&fit), fit, points, stated, stated_across })
+        Some(Self { plane: Flat::of(&fit), variances: fit.variances, points, stated, stated_across })
     }
 
     fn variance(&self, noise: Noise) -> f64 {
@@ -74,24 +76,24 @@ impl Around {
 
     /// Variance of the points along the normal. Three of their freedoms went into the plane.
     fn thickness(&self) -> f64 {
-        self.fit.variances[0] * self.points / (self.points - 3.0)
+        self.variances[0] * self.points / (self.points - 3.0)
     }
 
     /// Standard error of the orientation where it is least sure, in radians.
     pub(crate) fn tilt(&self, noise: Noise) -> f64 {
-        (self.thickness().max(self.variance(noise)) / (self.points * self.fit.variances[1])).sqrt()
+        (self.thickness().max(self.variance(noise)) / (self.points * self.variances[1])).sqrt()
     }
 
     /// Whether the points are a row: what they scatter across it is little more than their errors, so that the plane through them
     /// turns about the row as those fall. A ring of a lidar is one, a step of a depth image another.
     pub(crate) fn is_row(&self, noise: Noise) -> bool {
-        let [_, across, _] = self.fit.variances;
+        let [_, across, _] = self.variances;
         across <= ROW * (noise.scale * self.stated_across).max(noise.floor)
     }
 
     /// Whether the points lie as flat as their errors say, give or take what so few of them tell, and not along a line.
     pub(crate) fn is_flat(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> bool {
-        let [_, across, along] = self.fit.variances;
+        let [_, across, along] = self.variances;
         self.thickness() <= allowed(chi_squared, self.points) * self.variance(noise)
             && across >= narrowest * along
             && !self.is_row(noise)
@@ -103,50 +105,195 @@ fn allowed(chi_squared: f64, points: f64) -> f64 {
     chi_squared * (1.0 + 3.0 * (2.0 / points).sqrt())
 }
 
-/// What is known of a neighbourhood from its sums alone, without a plane fitted.
-///
-/// With eigenvalues λ₀ ≤ λ₁ ≤ λ₂ of the scatter C, trace t, determinant d and m = λ₀λ₁ + λ₀λ₂ + λ₁λ₂ the sum of the principal
-/// minors: λ₀ ≥ d/m, λ₁ ≤ t/2, and any unit vector n at the angle θ from the first eigenvector has nᵀCn ≥ λ₁ sin²θ.
-impl Sum {
-    /// A bound from below of the tilt of the plane through the points; `None` when it is not flat for sure, or they are too few.
-    pub(crate) fn least_tilt(&self, noise: Noise, chi_squared: f64) -> Option<f64> {
-        let points = self.points();
+/// What the sums of a neighbourhood tell of the plane through its points without a fit: nearly all are told by it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounded {
+    points: f64,
+    /// Bounds of the eigenvalues of the scatter: of the least from below, of the middle from above, of the largest from below, in m².
+    least: f64,
+    middle: f64,
+    most: f64,
+    /// Bounds of the variance of errors along any direction, as stated, in m².
+    lowest: f64,
+    highest: f64,
+}
+
+impl Bounded {
+    pub(crate) fn of(sum: &Sum) -> Self {
+        let Bounds { least, middle, most } = Bounds::of(&sum.covariance());
+        let [xx, xy, xz, yy, yz, zz] = sum.noise();
+        // Gershgorin.
+        let radii = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];
+        let diagonal = [xx, yy, zz];
+        Self {
+            points: sum.points(),
+            least: least[0],
+            middle: middle[1],
+            most,
+            lowest: (0..3).fold(f64::INFINITY, |lowest, i| lowest.min(diagonal[i] - radii[i])),
+            highest: (0..3).fold(0.0, |highest: f64, i| highest.max(diagonal[i] + radii[i])),
+        }
+    }
+
+    /// A bound from below of the tilt of the plane through the points; `None` when it is no seed for sure, or they are too few: not
+    /// flat, narrower than a share of their length, or a row.
+    pub(crate) fn least_tilt(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> Option<f64> {
+        let Self { points, least, middle, most, .. } = *self;
         if points < FEWEST {
             return None;
         }
-        let c = self.covariance();
-        let (trace, minors, determinant) = invariants(&c);
-        let thickness = (determinant / minors).max(0.0) * points / (points - 3.0);
-        let [xx, xy, xz, yy, yz, zz] = self.noise();
-        // Gershgorin: the variance of errors along any direction is within these.
-        let radii = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];
-        let diagonal = [xx, yy, zz];
-        let least = (0..3).fold(f64::INFINITY, |least, i| least.min(diagonal[i] - radii[i]));
-        let most = (0..3).fold(0.0, |most: f64, i| most.max(diagonal[i] + radii[i]));
-        let [least, most] = [least, most].map(|v| (noise.scale * v).max(noise.floor));
-        if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * most {
+        let thickness = least * points / (points - 3.0);
+        let [lowest, highest] = [self.lowest, self.highest].map(|v| (noise.scale * v).max(noise.floor));
+        let across = middle * (1.0 + ROUNDING);
+        if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * highest
+            || across < narrowest * most * (1.0 - ROUNDING)
+            || across <= ROW * lowest * (1.0 - ROUNDING)
+        {
             return None;
         }
-        let tilt = (thickness.max(least) / (points * 0.5 * trace)).sqrt() * (1.0 - ROUNDING);
+        let tilt = (thickness.max(lowest) / (points * middle)).sqrt() * (1.0 - ROUNDING);
         // Not a number where all is zero, and then of no plane.
         (!tilt.is_nan()).then_some(tilt)
     }
+}
+
+/// How the plane through some points may be turned, in single precision and units of a cell: small, for it is looked at again and
+/// again.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turned {
+    scatter: [f32; 6],
+    /// Bounds from below of the least and the middle eigenvalue of that.
+    least: f32,
+    middle: f32,
+}
+
+impl Turned {
+    /// Of points with these sums, for cells with an edge in metres.
+    pub(crate) fn of(sum: &Sum, edge: f64) -> Self {
+        let scatter = sum.covariance().map(|c| c / (edge * edge));
+        let Bounds { least, middle, .. } = Bounds::of(&scatter);
+        // Rounding is allowed for where they are compared.
+        #[allow(clippy::cast_possible_truncation)]
+        Self { scatter: scatter.map(|c| c as f32), least: least[0] as f32, middle: middle[0] as f32 }
+    }
 
     /// Whether the plane through the points is turned by less than an angle against another for sure, by the sine squared.
+    ///
+    /// With eigenvalues λ₀ ≤ λ₁ ≤ λ₂ of the scatter C any unit vector n at the angle θ from the first eigenvector has
+    /// nᵀCn ≥ λ₀ + (λ₁ − λ₀) sin²θ.
     pub(crate) fn is_along(&self, plane: &Flat, sine_squared: f64) -> bool {
-        let c = self.covariance();
-        let (trace, minors, _) = invariants(&c);
+        let c = self.scatter.map(f64::from);
         let [x, y, z] = plane.normal.to_array();
         let off =
             c[0] * x * x + c[3] * y * y + c[5] * z * z + 2.0 * (c[1] * x * y + c[2] * x * z + c[4] * y * z);
-        // λ₁ λ₂ = m − λ₀ (λ₁ + λ₂), λ₀ ≤ nᵀCn and λ₂ ≤ t.
-        let across = (minors - off * trace) / trace;
-        off <= sine_squared * across * (1.0 - ROUNDING)
+        let (least, middle) = (f64::from(self.least), f64::from(self.middle));
+        let slack = ROUNDING_SINGLE * (c[0] + c[3] + c[5]);
+        off - least + slack < sine_squared * (middle - least)
     }
 }
+
+/// Bounds of the eigenvalues of a scatter: the least and the middle one from below and above, the largest from below.
+struct Bounds {
+    least: [f64; 2],
+    middle: [f64; 2],
+    most: f64,
+}
+
+impl Bounds {
+    /// By the characteristic polynomial p(λ) = λ³ − t λ² + m λ − d, of trace, principal minors and determinant. Below the least root
+    /// it rises and is concave, so that Newton's steps from 0 end below it; just above them it is looked at whether the root was
+    /// passed. The other two have a known sum and product then. Where rounding does not tell, bounds are wide.
+    fn of(c: &[f64; 6]) -> Self {
+        let (trace, minors, determinant) = invariants(c);
+        let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
+        let slope = |x: f64| (3.0 * x - 2.0 * trace) * x + minors;
+        let mut root = (determinant / minors).max(0.0);
+        for _ in 0..STEPS {
+            root -= at(root) / slope(root);
+        }
+        let slack = ROUNDING * trace;
+        let (low, high) = ((root - slack).max(0.0), root * CLOSE + slack);
+        // Of what rounding leaves of numbers of this size it is far more.
+        let passed = high < trace / 3.0 && at(high) > slack * slack * trace;
+        let wide = minors - high * (trace - high) > NARROW * trace * trace;
+        if !(passed && wide) {
+            return Self { least: [0.0, trace], middle: [0.0, 0.5 * trace], most: trace / 3.0 };
+        }
+        let smaller =
+            |sum: f64, product: f64| 2.0 * product / (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
+        // Sum and product of the other two fall as the least rises; the smaller of them rises with the product and falls with the sum.
+        let (sums, products) =
+            ([high, low].map(|x| trace - x), [high, low].map(|x| minors - x * (trace - x)));
+        let middle = [smaller(sums[1], products[0]), smaller(sums[0], products[1]).min(0.5 * sums[1])];
+        Self { least: [low, high], middle, most: sums[0] - middle[1] }
+    }
+}
+
+/// Newton's steps, and how much above the last the root is at most, as a share.
+const STEPS: usize = 3;
+const CLOSE: f64 = 1.0 + 1e-6;
+/// Of what is narrower, the middle eigenvalue as a share of the trace, the coefficients of the polynomial tell too little.
+const NARROW: f64 = 1e-5;
 
 /// Trace, sum of the principal minors, determinant.
 fn invariants([xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> (f64, f64, f64) {
     let (a, b, c) = (yy * zz - yz * yz, xy * zz - yz * xz, xy * yz - yy * xz);
     (xx + yy + zz, a + (xx * zz - xz * xz) + (xx * yy - xy * xy), xx * a - xy * b + xz * c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use proptest::prelude::*;
+    use terrace_normals::symmetric_eigen;
+    use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
+
+    const NOISE: Noise = Noise { scale: 1.0, floor: 1e-6 };
+
+    proptest! {
+        /// From a line to a ball, of any thickness, turned in any way.
+        #[test]
+        fn bounds_hold_and_tell(
+            places in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 3..40),
+            sizes in prop::array::uniform3(-6.0..0.0_f64),
+            turn in prop::array::uniform3(-1.0..1.0_f64),
+            normal in prop::array::uniform3(-1.0..1.0_f64),
+            flat in any::<bool>(),
+        ) {
+            let axis = DVec3::from(turn).try_normalize().unwrap_or(DVec3::X);
+            let rotation = glam::DQuat::from_axis_angle(axis, 3.0 * turn[0]);
+            let sizes = if flat { DVec3::new(1.0, 0.7, 10_f64.powf(sizes[2])) } else { sizes.map(|s| 10_f64.powf(s)).into() };
+            let mut stats = Stats::new([0.0; 3]);
+            for place in &places {
+                let place = rotation * (DVec3::from(*place) * sizes);
+                stats.push(&UncertainVector::isotropic(place.to_array(), 1e-3));
+            }
+            let sum = Sum::of(&stats, DVec3::ZERO);
+            let c = sum.covariance();
+            let eigen = symmetric_eigen(&SymmetricMatrix3(c));
+            let [l0, l1, l2] = eigen.values;
+            let rounding = 1e-14 * (l0 + l1 + l2);
+            let Bounds { least, middle, most } = Bounds::of(&c);
+            prop_assert!(least[0] <= l0 + rounding && l0 <= least[1] + rounding, "{least:?} {l0}");
+            prop_assert!(middle[0] <= l1 + rounding && l1 <= middle[1] + rounding, "{middle:?} {l1}");
+            prop_assert!(most <= l2 + rounding);
+            // Of a plane they tell nearly all.
+            if l0 < 0.1 * l1 && l1 > 0.01 * l2 {
+                prop_assert!(middle[1] - middle[0] <= 1e-3 * l1 && least[1] - least[0] <= 1e-5 * l1);
+            }
+            let around = Around::of(&stats);
+            let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
+            let plane = Flat { normal, point: DVec3::ZERO };
+            if let Some(around) = &around {
+                if Turned::of(&sum, 0.5).is_along(&plane, 0.3_f64.sin().powi(2)) {
+                    prop_assert!(plane.angle(&around.plane) <= 0.3 * (1.0 + 1e-6));
+                }
+                match Bounded::of(&sum).least_tilt(NOISE, 2.0, 0.1) {
+                    Some(tilt) => prop_assert!(tilt <= around.tilt(NOISE)),
+                    None => prop_assert!(!around.is_flat(NOISE, 2.0, 0.1)),
+                }
+            }
+        }
+    }
 }

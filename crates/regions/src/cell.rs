@@ -19,8 +19,6 @@ pub struct Cell {
 pub(crate) struct Sums {
     pub(crate) points: f64,
     pub(crate) mean: DVec3,
-    /// What places of points are relative to.
-    pub(crate) anchor: DVec3,
     scatter: SymmetricMatrix3,
     /// The mean covariance of the error of a point.
     noise: SymmetricMatrix3,
@@ -32,8 +30,8 @@ impl Sums {
         let (moments, mean) = (stats.moments(), DVec3::from(stats.mean()?));
         let points = stats.count() as f64;
         let finite = mean.is_finite() && moments.second().is_finite() && moments.noise().is_finite();
-        let (anchor, scatter) = (stats.anchor().into(), stats.covariance()?);
-        finite.then(|| Self { points, mean, anchor, scatter, noise: moments.noise() * (1.0 / points) })
+        let scatter = stats.covariance()?;
+        finite.then(|| Self { points, mean, scatter, noise: moments.noise() * (1.0 / points) })
     }
 
     /// Mean squared distance of the points from a plane, in m².

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use glam::DVec3;
+
 use crate::cell::{Noise, Sums};
 use crate::field::{COARSE, Field};
 use crate::flat::Flat;
@@ -76,7 +78,7 @@ impl Ends {
         &self,
         (number, plane): (u32, &Flat),
         (at_number, at): (u32, &Flat),
-        cell: &Sums,
+        (cell, anchor): (&Sums, DVec3),
         noise: Noise,
     ) -> Option<End> {
         let side = self.side.get(&(number, at_number))?;
@@ -87,7 +89,6 @@ impl Ends {
         }
         // In the plane, across the line in which both meet.
         let across = (at.normal - plane.normal * cosine) / sine;
-        let anchor = cell.anchor;
         let inside = (at.distance(anchor) - cosine * plane.distance(anchor)) / sine;
         let per_error = side / noise.variance(cell, across).sqrt();
         // In single precision, as places are.

@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use terrace_stats::Stats;
 
+use crate::around::{Bounded, Turned};
 use crate::cell::{Noise, Sums};
 use crate::flat::Fitted;
 use crate::level::{Level, along_curve};
@@ -26,12 +27,16 @@ pub(crate) struct Field {
     /// The place of each among the given cells.
     pub(crate) order: Vec<u32>,
     pub(crate) cells: Vec<Sums>,
+    /// What places of points of each cell are relative to.
+    pub(crate) anchors: Vec<DVec3>,
     pub(crate) keys: Vec<[i32; 3]>,
     pub(crate) levels: Vec<Level>,
     middles: Vec<[f32; 3]>,
     anchored: Anchored,
-    /// By level and group: the sums of a group and of those it touches.
-    around: Vec<Vec<Sum>>,
+    /// By level and group, what the sums of a group and of those it touches tell of the plane through them.
+    pub(crate) bounded: Vec<Vec<Bounded>>,
+    /// How the surface around each cell may be turned.
+    pub(crate) turned: Vec<Turned>,
     /// The edge of a cell, in metres.
     pub(crate) edge: f64,
 }
@@ -55,11 +60,13 @@ impl Field {
             return Err(RegionsError::TooMany { cells: cells.len() });
         }
         let (order, levels, anchored) = laid_out(cells);
-        let sums = order.iter().map(|at| Sums::of(&cells[*at as usize].stats)).collect::<Option<Vec<Sums>>>();
-        let Some(sums) = sums else {
+        // Room for all at once: a list that grows is moved again and again.
+        let mut sums = Vec::with_capacity(cells.len());
+        sums.extend(order.iter().filter_map(|at| Sums::of(&cells[*at as usize].stats)));
+        if sums.len() < cells.len() {
             let cell = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()).unwrap_or(0);
             return Err(RegionsError::Cell { cell });
-        };
+        }
         let keys: Vec<[i32; 3]> = order.iter().map(|at| cells[*at as usize].key).collect();
         let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if twice > 0 {
@@ -67,9 +74,21 @@ impl Field {
         }
         // In single precision, as places of points are.
         #[allow(clippy::cast_possible_truncation)]
-        let middles = sums.iter().map(|of| (of.mean - of.anchor).to_array().map(|x| x as f32)).collect();
-        let around = levels.iter().map(|level| anchored.around(level)).collect();
-        Ok(Self { order, cells: sums, keys, levels, middles, anchored, around, edge })
+        let middle = |(of, anchor): (&Sums, &DVec3)| (of.mean - anchor).to_array().map(|x| x as f32);
+        let anchors: Vec<DVec3> = order.iter().map(|at| cells[*at as usize].stats.anchor().into()).collect();
+        let middles = sums.iter().zip(&anchors).map(middle).collect();
+        let bounded: Vec<Vec<Bounded>> =
+            levels.iter().skip(1).map(|level| anchored.around(level, |sum| Bounded::of(&sum))).collect();
+        let of_cells = |level| anchored.around(level, |sum| (Bounded::of(&sum), Turned::of(&sum, edge)));
+        let (finest, turned): (Vec<Bounded>, Vec<Turned>) =
+            levels.first().map(of_cells).unwrap_or_default().into_iter().unzip();
+        let bounded = std::iter::once(finest).chain(bounded).collect();
+        Ok(Self { order, anchors, turned, bounded, cells: sums, keys, levels, middles, anchored, edge })
+    }
+
+    /// Forgets what only growth asks for: it is a good share of all that is known of a cell.
+    pub(crate) fn end_growth(&mut self) {
+        (self.bounded, self.turned, self.anchored.sums) = (Vec::new(), Vec::new(), Vec::new());
     }
 
     /// The edge of a group of the level that suits noise and spacing, in metres.
@@ -87,14 +106,11 @@ impl Field {
         self.middles.get(cell..=cell).unwrap_or(&[])
     }
 
-    /// The sums of a group and of those it touches.
-    pub(crate) fn around(&self, level: usize, group: usize) -> &Sum {
-        &self.around[level][group]
-    }
-
-    /// The same, with their anchor.
+    /// The sums of a group and of those it touches: taken anew, for few are asked for.
     pub(crate) fn stats_around(&self, level: usize, group: usize) -> Stats {
-        self.around(level, group).stats(self.anchored.anchor_of(self.levels[level].cells(group).start))
+        let level = &self.levels[level];
+        let sum = self.anchored.sum_around(level, group, |group| self.anchored.sum_of(level, group));
+        sum.stats(self.anchored.anchor_of(level.cells(group).start))
     }
 }
 
@@ -104,7 +120,7 @@ pub fn sums_around(cells: &[Cell]) -> Vec<Stats> {
     let (order, levels, anchored) = laid_out(cells);
     let mut sums: Vec<Stats> = cells.iter().map(|cell| cell.stats).collect();
     if let Some(level) = levels.first() {
-        for ((rank, given), sum) in (0..).zip(&order).zip(anchored.around(level)) {
+        for ((rank, given), sum) in (0..).zip(&order).zip(anchored.around(level, |sum| sum)) {
             let sums = &mut sums[*given as usize];
             *sums = sum.stats(anchored.anchor_of(rank)).with_anchor(sums.anchor());
         }
@@ -141,30 +157,40 @@ impl Anchored {
         self.anchors[self.cube_of[cell as usize] as usize]
     }
 
-    /// The sums of each group of a level and of those it touches, about the anchor of its first cell.
-    fn around(&self, level: &Level) -> Vec<Sum> {
-        let of_group = |group: usize| {
-            let mut sum = Sum::ZERO;
-            level.cells(group).for_each(|cell| sum.add(&self.sums[cell as usize]));
-            sum
-        };
-        // Groups are within a cube.
-        let own: Vec<Sum> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(of_group).collect();
+    fn sum_of(&self, level: &Level, group: usize) -> Sum {
+        let mut sum = Sum::ZERO;
+        level.cells(group).for_each(|cell| sum.add(&self.sums[cell as usize]));
+        sum
+    }
+
+    /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone.
+    fn sum_around(&self, level: &Level, group: usize, own: impl Fn(usize) -> Sum) -> Sum {
         let cube = |group: usize| self.cube_of[level.cells(group).start as usize];
-        let around = |group: usize| {
-            let mut sum = own[group];
-            let here = cube(group);
-            for near in level.near(group) {
-                let there = cube(*near as usize);
-                if here == there {
-                    sum.add(&own[*near as usize]);
-                } else {
-                    let apart = self.anchors[there as usize] - self.anchors[here as usize];
-                    sum.add(&own[*near as usize].translated(apart));
-                }
+        let (mut sum, here) = (own(group), cube(group));
+        for near in level.near(group) {
+            let there = cube(*near as usize);
+            if here == there {
+                sum.add(&own(*near as usize));
+            } else {
+                let apart = self.anchors[there as usize] - self.anchors[here as usize];
+                sum.add(&own(*near as usize).translated(apart));
             }
-            sum
+        }
+        sum
+    }
+
+    /// What is asked of the sums of each group of a level and of those it touches.
+    fn around<T: Send>(&self, level: &Level, ask: impl Fn(Sum) -> T + Sync) -> Vec<T> {
+        // Groups are within a cube; those of the finest level are the cells.
+        let summed: Vec<Sum>;
+        let own = if level.len() == self.sums.len() {
+            &self.sums
+        } else {
+            let groups = (0..level.len()).into_par_iter().with_min_len(AT_ONCE);
+            summed = groups.map(|group| self.sum_of(level, group)).collect();
+            &summed
         };
+        let around = |group| ask(self.sum_around(level, group, |group| own[group]));
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 

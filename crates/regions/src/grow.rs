@@ -12,7 +12,7 @@ pub(crate) const SEED_CHI_SQUARED: f64 = 2.0;
 /// A seed's orientation is known to this, in radians.
 pub(crate) const SEED_TILT: f64 = 0.05;
 /// A seed's points scatter across their longer direction by this share of the variance along it.
-const SEED_WIDTH: f64 = 0.1;
+pub(crate) const SEED_WIDTH: f64 = 0.1;
 /// This share of a seed, and of what it touches, is of no region yet.
 const SEED_FREE: f64 = 0.5;
 /// The mean squared distance of a cell's points from the plane, in units of the variance of their errors: a cell cut by its
@@ -213,7 +213,7 @@ impl Growth {
         }
         // Nearly all cells are told by their sums.
         self.without == Some(Step::Normals)
-            || field.around(0, cell).is_along(plane, TURNED.sin().powi(2))
+            || field.turned[cell].is_along(plane, TURNED.sin().powi(2))
             || arounds.get(0, cell).is_none_or(|around| {
                 around.is_row(self.noise)
                     || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)

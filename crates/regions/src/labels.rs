@@ -69,7 +69,7 @@ pub(crate) fn pieces<'s>(
             let points = part.labelled.round().max(1.0) as u32;
             let piece = |sum: DVec3, squares: f64| Piece { region: part.region, cell, points, sum, squares };
             if part.labelled >= sums.points {
-                let sum = (sums.mean - sums.anchor) * sums.points;
+                let sum = (sums.mean - field.anchors[cell as usize]) * sums.points;
                 pieces.push(piece(sum, sums.mean_square(&plane) * sums.points));
                 continue;
             }
@@ -79,7 +79,7 @@ pub(crate) fn pieces<'s>(
                     let place = DVec3::from(place.map(f64::from));
                     count += 1.0;
                     sum += place;
-                    squares += plane.distance(sums.anchor + place).powi(2);
+                    squares += plane.distance(field.anchors[cell as usize] + place).powi(2);
                 }
             }
             let each = f64::from(points) / f64::max(count, 1.0);
@@ -114,12 +114,13 @@ pub struct Labeller {
     origin: DVec3,
     planes: Vec<Flat>,
     units: Units,
+    /// Points that are summed up in 64 bits.
+    at_once: usize,
 }
 
 /// A cell, as its points are labelled.
 #[derive(Debug, Clone)]
 struct Place {
-    anchor: DVec3,
     /// Where the anchor is from the origin, in units.
     from: [i64; 3],
     seen: Seen,
@@ -129,8 +130,16 @@ struct Place {
 #[derive(Debug, Clone)]
 enum Seen {
     None,
-    One(Near),
-    Several(Box<(Several, Vec<Option<u32>>)>),
+    One(Near, Off),
+    Several(Box<(Several, Vec<Option<Off>>)>),
+}
+
+/// A plane as it is measured from a cell.
+#[derive(Debug, Clone, Copy)]
+struct Off {
+    plane: u32,
+    /// How far the anchor of the cell is from it, in metres.
+    distance: f64,
 }
 
 /// Labelled points of a plane, counted and measured. Sums are of whole numbers, so that it does not matter in which order points come,
@@ -181,35 +190,39 @@ impl Labeller {
         mut number: impl FnMut(u32, u32) -> Option<u32>,
         planes: Vec<Flat>,
     ) -> Self {
-        let (units, origin) =
-            (Units::of(field.edge), field.cells.first().map_or(DVec3::ZERO, |cell| cell.anchor));
-        let nowhere = Place { anchor: origin, from: [0; 3], seen: Seen::None };
+        let (units, origin) = (Units::of(field.edge), field.anchors.first().copied().unwrap_or(DVec3::ZERO));
+        let nowhere = Place { from: [0; 3], seen: Seen::None };
         let mut cells: Vec<Place> = vec![nowhere; of_cells.len()];
-        // Cells too far from the first for a number of 64 bits have the farthest there is.
+        // Cells too far from the first for a number of 56 bits have the farthest there is.
         #[allow(clippy::cast_possible_truncation)]
-        let whole = |x: f64| (x / units.length).round() as i64;
-        for (((rank, given), of), sums) in (0..).zip(&field.order).zip(of_cells).zip(&field.cells) {
+        let whole = |x: f64| ((x / units.length).round() as i64).clamp(-FARTHEST, FARTHEST);
+        let mut farthest = 0;
+        for (((rank, given), of), anchor) in (0..).zip(&field.order).zip(of_cells).zip(&field.anchors) {
+            let mut off = |near: &Near| {
+                let plane = number(rank, near.region)?;
+                Some(Off { plane, distance: planes.get(plane as usize)?.distance(*anchor) })
+            };
             let seen = match of.nearby {
                 Nearby::None => Seen::None,
-                Nearby::One(near) => {
-                    number(rank, near.region).map_or(Seen::None, |region| Seen::One(Near { region, ..near }))
-                }
+                Nearby::One(near) => off(&near).map_or(Seen::None, |off| Seen::One(near, off)),
                 Nearby::Several(several) => {
-                    let numbers: Vec<Option<u32>> =
-                        several.near.iter().map(|near| number(rank, near.region)).collect();
-                    if numbers.iter().all(Option::is_none) {
+                    let planes: Vec<Option<Off>> = several.near.iter().map(off).collect();
+                    if planes.iter().all(Option::is_none) {
                         Seen::None
                     } else {
-                        Seen::Several(Box::new((*several, numbers)))
+                        Seen::Several(Box::new((*several, planes)))
                     }
                 }
             };
-            let from = (sums.anchor - origin).to_array().map(whole);
-            cells[*given as usize] = Place { anchor: sums.anchor, from, seen };
+            let from = (*anchor - origin).to_array().map(whole);
+            farthest = from.iter().fold(farthest, |farthest, x| farthest.max(x.abs()));
+            cells[*given as usize] = Place { from, seen };
         }
+        // So many places are summed up in 64 bits.
+        let at_once = usize::try_from(i64::MAX / (farthest + NEAREST)).unwrap_or(LONGEST).min(LONGEST);
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
-        Self { reach: reach as f32, cells, origin, planes, units }
+        Self { reach: reach as f32, cells, origin, planes, units, at_once }
     }
 
     /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its
@@ -218,16 +231,13 @@ impl Labeller {
     pub fn label(&self, cell: u32, place: [f32; 3]) -> Option<u32> {
         match &self.cells.get(cell as usize)?.seen {
             Seen::None => None,
-            Seen::One(near) => near.errors(place, self.reach).map(|_| near.region),
-            Seen::Several(several) => {
-                let (several, numbers) = &**several;
-                several.best(place, self.reach).and_then(|at| numbers[at])
-            }
+            Seen::One(near, off) => near.errors(place, self.reach).map(|_| off.plane),
+            Seen::Several(several) => Some(of_several(several, place, self.reach)?.plane),
         }
     }
 
     /// Labels points one after the other, as [`label`](Self::label) does, and measures them: what is given back has a place for each
-    /// plane. `cells` tells the cell of the point at a place of the list. Fastest where points of the same cell follow each other.
+    /// plane. `cells` tells the cell of the point at a place of the list.
     pub fn label_all(
         &self,
         cells: impl Fn(usize) -> Option<u32>,
@@ -235,40 +245,36 @@ impl Labeller {
         mut label: impl FnMut(usize, Option<u32>),
     ) -> Vec<Measure> {
         let mut measures = vec![Measure::default(); self.planes.len()];
-        let mut first = 0;
-        while first < places.len() {
-            let cell = cells(first);
-            let most = places.len().min(first + LONGEST);
-            let end = (first + 1..most).find(|at| cells(*at) != cell).unwrap_or(most);
-            let run = first..end;
-            first = end;
-            let Some(of) = cell.and_then(|cell| self.cells.get(cell as usize)) else {
-                run.for_each(|at| label(at, None));
-                continue;
-            };
-            match &of.seen {
-                Seen::None => run.for_each(|at| label(at, None)),
-                Seen::One(near) => {
-                    let mut of_run = self.begin(of, near.region);
-                    for (at, place) in run.clone().zip(&places[run]) {
-                        let is_near = near.errors(*place, self.reach).is_some();
-                        of_run.push(*place, is_near, self.units);
-                        label(at, is_near.then_some(near.region));
+        // The last is of points of no plane: so that it takes no branch to leave them out.
+        let none = self.planes.len();
+        let mut sums = vec![OfPlane::default(); none + 1];
+        let normals: Vec<DVec3> = self.planes.iter().map(|plane| plane.normal).chain([DVec3::ZERO]).collect();
+        let per_unit = Units { length: 1.0 / self.units.length, square: 1.0 / self.units.square };
+        for first in (0..places.len()).step_by(self.at_once) {
+            for (at, place) in (first..places.len()).zip(&places[first..]).take(self.at_once) {
+                let Some(of) = cells(at).and_then(|cell| self.cells.get(cell as usize)) else {
+                    label(at, None);
+                    continue;
+                };
+                let (off, is_near) = match &of.seen {
+                    Seen::None => {
+                        label(at, None);
+                        continue;
                     }
-                    of_run.add_to(near.region, self.units, &mut measures);
+                    Seen::One(near, off) => (*off, near.errors(*place, self.reach).is_some()),
+                    Seen::Several(several) => match of_several(several, *place, self.reach) {
+                        Some(off) => (off, true),
+                        None => (Off { plane: 0, distance: 0.0 }, false),
+                    },
+                };
+                label(at, is_near.then_some(off.plane));
+                let plane = if is_near { off.plane as usize } else { none };
+                if let (Some(sums), Some(normal)) = (sums.get_mut(plane), normals.get(plane)) {
+                    sums.push(*place, &of.from, *normal, off.distance, per_unit);
                 }
-                Seen::Several(several) => {
-                    let (several, numbers) = &**several;
-                    for (at, place) in run.clone().zip(&places[run]) {
-                        let region = several.best(*place, self.reach).and_then(|at| *numbers.get(at)?);
-                        if let Some(region) = region {
-                            let mut alone = self.begin(of, region);
-                            alone.push(*place, true, self.units);
-                            alone.add_to(region, self.units, &mut measures);
-                        }
-                        label(at, region);
-                    }
-                }
+            }
+            for (measure, sums) in measures.iter_mut().zip(&mut sums) {
+                measure.add(&std::mem::take(sums).measure());
             }
         }
         measures
@@ -280,56 +286,49 @@ impl Labeller {
         let mean = [0, 1, 2].map(|i| origin[i] + measure.sum[i] as f64 * units.length / points);
         (measure.points > 0).then(|| (mean, (measure.squares as f64 * units.square / points).sqrt()))
     }
-
-    #[inline]
-    fn begin(&self, of: &Place, region: u32) -> OfRun {
-        let Some(plane) = self.planes.get(region as usize) else { return OfRun::default() };
-        let offset = plane.distance(of.anchor);
-        OfRun { normal: plane.normal, offset, from: of.from, ..OfRun::default() }
-    }
 }
 
-/// Points of one plane in a cell.
-#[derive(Default)]
-struct OfRun {
-    /// That of the plane, and the distance of the anchor from it.
-    normal: DVec3,
-    offset: f64,
-    /// Where the anchor is from the origin, in units.
-    from: [i64; 3],
-    points: u64,
-    /// Sum of places from the anchor.
-    sum: DVec3,
-    squares: f64,
+/// The plane that a point is most probably of, where there are several.
+#[inline]
+fn of_several(several: &(Several, Vec<Option<Off>>), place: [f32; 3], reach: f32) -> Option<Off> {
+    let (several, planes) = several;
+    several.best(place, reach).and_then(|at| *planes.get(at)?)
 }
 
-/// After so many points at most sums go to their plane: so far they are exact.
-const LONGEST: usize = 128;
-/// Added and taken away, it rounds smaller numbers to integers.
+/// Cells are no further from the first than this, in units, and points no further from their cell.
+const FARTHEST: i64 = 1 << 56;
+const NEAREST: i64 = 1 << 28;
+/// So many squares, of which none is larger than the other, are summed up in 64 bits.
+const LONGEST: usize = 1 << 12;
+const LARGEST: f64 = (1_u64 << 50) as f64;
+/// Added to numbers up to 2⁵¹ it rounds them to integers, which are in the lowest bits then.
 const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
 
-impl OfRun {
-    /// Adds a point, if it counts: without a branch, for most do.
+/// Points of one plane, not too many of them.
+#[derive(Debug, Clone, Copy, Default)]
+struct OfPlane {
+    points: u64,
+    sum: [i64; 3],
+    squares: i64,
+}
+
+impl OfPlane {
+    /// Adds a point: `from` is where the anchor of its cell is from the origin, and `distance` how far from the plane.
     #[inline]
-    fn push(&mut self, place: [f32; 3], counts: bool, units: Units) {
-        let place = if counts { DVec3::from(place.map(f64::from)) } else { DVec3::ZERO };
-        let distance = self.normal.dot(place) + self.offset;
-        let square = (distance * distance * (1.0 / units.square) + ROUNDING) - ROUNDING;
-        self.points += u64::from(counts);
-        self.sum += place;
-        self.squares += if counts { square } else { 0.0 };
+    fn push(&mut self, place: [f32; 3], from: &[i64; 3], normal: DVec3, distance: f64, per_unit: Units) {
+        let whole = |x: f64| (x + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits()).cast_signed();
+        let place = DVec3::from(place.map(f64::from));
+        let distance = normal.dot(place) + distance;
+        self.points += 1;
+        for ((sum, from), x) in self.sum.iter_mut().zip(from).zip(place.to_array()) {
+            // Places are whole numbers of a unit.
+            *sum = sum.wrapping_add(from + whole(x * per_unit.length));
+        }
+        let square = (distance * distance * per_unit.square).min(LARGEST);
+        self.squares = self.squares.wrapping_add(whole(square));
     }
 
-    #[inline]
-    fn add_to(&self, region: u32, units: Units, measures: &mut [Measure]) {
-        let Some(measure) = measures.get_mut(region as usize) else { return };
-        // Whole numbers already, of no more than 53 bits.
-        #[allow(clippy::cast_possible_truncation)]
-        let whole = |x: f64| i128::from(x as i64);
-        // Places that are whole numbers of a unit have such sums.
-        let sum = (self.sum * (1.0 / units.length)).to_array().map(whole);
-        // Fewer than 64 bits and those of a small number: no overflow.
-        let sum = [0, 1, 2].map(|i| i128::from(self.from[i]) * i128::from(self.points) + sum[i]);
-        measure.add(&Measure { points: self.points, sum, squares: whole(self.squares) });
+    fn measure(&self) -> Measure {
+        Measure { points: self.points, sum: self.sum.map(i128::from), squares: self.squares.into() }
     }
 }

@@ -76,30 +76,35 @@ impl Level {
         const NONE: u32 = u32::MAX;
         let keys = &self.keys;
         let child = |parent: usize| children[parent]..children[parent + 1];
+        let mut beside = [0; 26];
+        for (place, [dx, dy, dz]) in beside.iter_mut().zip(steps()) {
+            *place = 16 * dx + 4 * dy + dz;
+        }
         let of_some = |first: usize| {
             let (mut near, mut ends) = (Vec::new(), Vec::new());
             for parent in first..(first + AT_ONCE).min(parents.len()) {
                 // Where the places begin: one before the children.
                 let from = parents.keys[parent].map(|k| (k << 1).wrapping_sub(1));
-                let mut places = [NONE; 64];
-                for beside in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
-                    for group in child(beside as usize) {
+                // The last for what is none of them.
+                let mut places = [NONE; 65];
+                for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
+                    for group in child(other as usize) {
                         let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
-                        if x < 4 && y < 4 && z < 4 {
-                            places[(16 * x + 4 * y + z) as usize] = group;
-                        }
+                        let place = if x | y | z < 4 { 16 * x + 4 * y + z } else { 64 };
+                        places[place as usize] = group;
                     }
                 }
                 for group in child(parent) {
                     let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
                     let at = 16 * x + 4 * y + z;
-                    for [dx, dy, dz] in steps() {
-                        let place = at.wrapping_add_signed(16 * dx + 4 * dy + dz);
-                        let group = places[place as usize & 63];
-                        if group != NONE {
-                            near.push(group);
-                        }
+                    // Which are there cannot be predicted: all are written, and those that are not written over.
+                    let (mut found, mut count) = ([NONE; 27], 0);
+                    for step in beside {
+                        let group = places[at.wrapping_add_signed(step) as usize & 63];
+                        found[count] = group;
+                        count += usize::from(group != NONE);
                     }
+                    near.extend_from_slice(&found[..count]);
                     ends.push(near.len());
                 }
             }

@@ -58,6 +58,10 @@ enum Difference {
 }
 
 impl OfCell {
+    fn take_nearby(&mut self) -> Nearby {
+        std::mem::replace(&mut self.nearby, Nearby::None)
+    }
+
     fn differs(&self, before: &Self, points: f64) -> Difference {
         let (now, before) = (self.parts.as_slice(), before.parts.as_slice());
         if !now.iter().map(|part| part.region).eq(before.iter().map(|part| part.region)) {
@@ -89,6 +93,15 @@ impl Parts {
         self.as_slice().iter().map(|part| part.region)
     }
 
+    /// The region, if it is one, in four bytes: to look at many cells.
+    fn code(&self) -> u32 {
+        match self {
+            Self::None => NOTHING,
+            Self::One(part) => part.region,
+            Self::Several(_) => SEVERAL,
+        }
+    }
+
     fn of(parts: &[Part]) -> Self {
         match parts {
             [] => Self::None,
@@ -103,6 +116,28 @@ impl Parts {
             *self = Self::of(&kept);
         }
     }
+}
+
+/// Codes of cells with parts of no region, and of several. Regions are fewer than cells, three to each.
+const NOTHING: u32 = u32::MAX;
+const SEVERAL: u32 = u32::MAX - 1;
+
+/// All cells as they were in the round before.
+#[derive(Clone, Copy)]
+struct Before<'a> {
+    of_cells: &'a [OfCell],
+    codes: &'a [u32],
+}
+
+/// Memory that a thread works with.
+#[derive(Default)]
+struct Work {
+    shares: Vec<(u32, f64)>,
+    parts: Vec<Part>,
+    scores: Vec<f32>,
+    /// Samples of the cells that are looked at, one after the other, and where each begins.
+    places: Vec<[f32; 3]>,
+    starts: Vec<usize>,
 }
 
 /// What stays the same over the rounds.
@@ -159,22 +194,40 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
             is_open: false,
         };
         let mut of_cells: Vec<OfCell> = self.field.cells.iter().zip(&region_of).map(first).collect();
+        let mut codes: Vec<u32> = of_cells.iter().map(|of| of.parts.code()).collect();
         let mut again = vec![true; cells];
         for round in 1..=ROUNDS {
             let todo: Vec<usize> = (0..cells).filter(|cell| again[*cell]).collect();
-            let found: Vec<OfCell> = todo
-                .par_iter()
-                .with_min_len(AT_ONCE)
-                .map_init(Vec::new, |shares, cell| {
-                    let nearby = self.nearby(*cell, &of_cells, &candidates, &ends, shares);
-                    self.look(*cell, nearby)
+            // What they were near is made use of; what others are is asked of their parts.
+            let mut known: Vec<Nearby> = todo.iter().map(|cell| of_cells[*cell].take_nearby()).collect();
+            let before = Before { of_cells: &of_cells, codes: &codes };
+            let found: Vec<Vec<OfCell>> = todo
+                .par_chunks(AT_ONCE)
+                .zip(known.par_chunks_mut(AT_ONCE))
+                .map_init(Work::default, |work, (cells, known)| {
+                    // At once: so the memory of one is not waited for before that of the next is asked for.
+                    work.places.clear();
+                    work.starts.clear();
+                    for cell in cells {
+                        work.starts.push(work.places.len());
+                        work.places.extend_from_slice(self.places(*cell));
+                    }
+                    work.starts.push(work.places.len());
+                    let look = |(at, (cell, known)): (usize, (&usize, &mut Nearby))| {
+                        let known = std::mem::replace(known, Nearby::None);
+                        let nearby = self.nearby(*cell, known, before, &candidates, &ends, &mut work.shares);
+                        self.look(*cell, at, nearby, work)
+                    };
+                    cells.iter().zip(known).enumerate().map(look).collect()
                 })
                 .collect();
             let different = |(cell, now): (&usize, &OfCell)| {
                 now.differs(&of_cells[*cell], self.field.cells[*cell].points)
             };
-            let differences: Vec<Difference> = todo.iter().zip(&found).map(different).collect();
-            for (cell, now) in todo.iter().zip(found) {
+            let differences: Vec<Difference> =
+                todo.iter().zip(found.iter().flatten()).map(different).collect();
+            for (cell, now) in todo.iter().zip(found.into_iter().flatten()) {
+                codes[*cell] = now.parts.code();
                 of_cells[*cell] = now;
             }
             // By what all cells are now, whichever was looked at first.
@@ -192,6 +245,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     let left = |region: u32| candidates[region as usize].is_some();
                     if !of_cells[cell].parts.regions().all(left) {
                         of_cells[cell].parts.retain(left);
+                        codes[cell] = of_cells[cell].parts.code();
                         self.mark_around(cell, &mut again, |_| true);
                     }
                     again[cell] |= !of_cells[cell].nearby.regions().iter().all(|near| left(near.region));
@@ -231,11 +285,12 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         candidates.iter().flatten().count() < before
     }
 
-    /// The regions around a cell, by number. `shares` is memory to work with.
+    /// The regions around a cell, by number. `known` were those before, and `shares` is memory to work with.
     fn nearby(
         &self,
         cell: usize,
-        before: &[OfCell],
+        known: Nearby,
+        before: Before<'_>,
         candidates: &[Option<Candidate>],
         ends: &Ends,
         shares: &mut Vec<(u32, f64)>,
@@ -244,16 +299,16 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         let around =
             || std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
         // Nearly all cells have points of one region around them, whose share then does not matter.
-        let mut only: Option<u32> = None;
-        let alone = around().all(|near| match &before[near].parts {
-            Parts::None => true,
-            Parts::One(part) => *only.get_or_insert(part.region) == part.region,
-            Parts::Several(_) => false,
+        let mut only = NOTHING;
+        let alone = around().all(|near| {
+            let code = before.codes[near];
+            only = if only == NOTHING { code } else { only };
+            (code == only || code == NOTHING) && code != SEVERAL
         });
         if alone {
-            shares.extend(only.map(|region| (region, 1.0)));
+            shares.extend((only != NOTHING).then_some((only, 1.0)));
         } else {
-            for part in around().flat_map(|near| before[near].parts.as_slice()) {
+            for part in around().flat_map(|near| before.of_cells[near].parts.as_slice()) {
                 match shares.iter_mut().find(|(known, _)| *known == part.region) {
                     Some((_, sum)) => *sum += part.expected,
                     None => shares.push((part.region, part.expected)),
@@ -264,20 +319,31 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         shares.retain(|(region, _)| plane(*region).is_some());
         shares.sort_unstable_by_key(|(region, _)| *region);
         let all: f64 = shares.iter().map(|(_, points)| points).sum();
-        let sums = &self.field.cells[cell];
+        let prior = |points: f64| {
+            single(if self.settings.takes(Step::Shares) { -2.0 * (points / all).ln() } else { 0.0 })
+        };
+        if let Nearby::Several(mut several) = known
+            && several.near.iter().map(|near| near.region).eq(shares.iter().map(|(region, _)| *region))
+        {
+            // The same, but for their shares.
+            for (near, (_, points)) in several.near.iter_mut().zip(&*shares) {
+                near.prior = prior(*points);
+            }
+            return Nearby::Several(several);
+        }
+        let (sums, anchor) = (&self.field.cells[cell], self.field.anchors[cell]);
         let near = |(region, points): (u32, f64)| {
             let candidate = plane(region)?;
             let normal = candidate.plane.normal;
             // A region that is smoother than errors say is not given less of them than are stated.
             let grown = candidate.reduced_chi_squared.max(1.0 / self.noise.scale);
             let sigma = (self.noise.variance(sums, normal) * grown).sqrt();
-            let prior = if self.settings.takes(Step::Shares) { -2.0 * (points / all).ln() } else { 0.0 };
-            let offset = candidate.plane.distance(sums.anchor) / sigma;
+            let offset = candidate.plane.distance(anchor) / sigma;
             Some(Near {
                 region,
                 normal: (normal / sigma).to_array().map(single),
                 offset: single(offset),
-                prior: single(prior),
+                prior: prior(points),
                 ends: (0, 0),
             })
         };
@@ -292,7 +358,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                     for (other, _) in shares.iter().filter(|(other, _)| *other != share.0) {
                         let Some(there) = plane(*other) else { continue };
                         let (here, there) = ((share.0, &here.plane), (*other, &there.plane));
-                        several.ends.extend(ends.between(here, there, sums, self.noise));
+                        several.ends.extend(ends.between(here, there, (sums, anchor), self.noise));
                     }
                     let count = several.ends.len() - first;
                     // Pairs of regions near one cell: far fewer than 2³².
@@ -304,10 +370,11 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         }
     }
 
-    /// What the points of a cell are of, with these regions near it.
-    fn look(&self, cell: usize, nearby: Nearby) -> OfCell {
+    /// What the points of a cell are of, with these regions near it: one of those whose samples are in `work`.
+    fn look(&self, cell: usize, at: usize, nearby: Nearby, work: &mut Work) -> OfCell {
         let points = self.field.cells[cell].points;
-        let places = self.places(cell);
+        let Work { places, starts, parts, scores, .. } = work;
+        let places = &places[starts[at]..starts[at + 1]];
         let each = points / places.len() as f64;
         let reach = single(self.settings.reach);
         let (parts, is_open) = match &nearby {
@@ -318,7 +385,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                 let part = Part { region: near.region, expected: points, labelled: points };
                 (if within > 0 { Parts::One(part) } else { Parts::None }, false)
             }
-            Nearby::Several(several) => several.mixed(places, each, reach),
+            Nearby::Several(several) => several.mixed(places, each, reach, (parts, scores)),
         };
         OfCell { nearby, parts, is_open }
     }
@@ -337,14 +404,22 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
 
 impl Several {
     /// The parts of a cell with a sample of points that stand for so many `each`, and whether any could be of two regions.
-    fn mixed(&self, places: &[[f32; 3]], each: f64, reach: f32) -> (Parts, bool) {
-        let mut parts: Vec<Part> =
-            self.near.iter().map(|near| Part { region: near.region, expected: 0.0, labelled: 0.0 }).collect();
-        let mut scores = vec![f32::INFINITY; parts.len()];
+    /// The lists are memory to work with.
+    fn mixed(
+        &self,
+        places: &[[f32; 3]],
+        each: f64,
+        reach: f32,
+        (parts, scores): (&mut Vec<Part>, &mut Vec<f32>),
+    ) -> (Parts, bool) {
+        parts.clear();
+        parts.extend(self.near.iter().map(|near| Part { region: near.region, expected: 0.0, labelled: 0.0 }));
+        scores.clear();
+        scores.resize(parts.len(), f32::INFINITY);
         let mut is_open = false;
         for place in places {
             let (mut least, mut best, mut within) = (f32::INFINITY, None, 0);
-            for ((at, near), score) in self.near.iter().enumerate().zip(&mut scores) {
+            for ((at, near), score) in self.near.iter().enumerate().zip(&mut *scores) {
                 *score = self.score(near, *place, reach).unwrap_or(f32::INFINITY);
                 within += usize::from(*score < f32::INFINITY);
                 if *score < least {
@@ -358,15 +433,31 @@ impl Several {
                 continue;
             }
             is_open = true;
-            let likely = |score: f32| f64::from(-0.5 * (score - least)).exp();
-            let all: f64 = scores.iter().map(|score| likely(*score)).sum();
-            for (part, score) in parts.iter_mut().zip(&scores) {
-                let share = likely(*score) / all;
+            // In place of the scores.
+            let mut all = 0.0;
+            for score in scores.iter_mut() {
+                *score = likelihood(*score - least);
+                all += f64::from(*score);
+            }
+            for (part, likely) in parts.iter_mut().zip(&*scores) {
+                let share = f64::from(*likely) / all;
                 part.expected += if share > LEAST_SHARE { each * share } else { 0.0 };
             }
         }
         parts.retain(|part| part.expected > 0.0);
-        (Parts::of(&parts), is_open)
+        (Parts::of(parts), is_open)
+    }
+}
+
+/// How probable something is beside the most probable, from −2 ln of it.
+fn likelihood(score: f32) -> f32 {
+    // What is beyond the reach, or the most probable itself.
+    if score == f32::INFINITY {
+        0.0
+    } else if score <= 0.0 {
+        1.0
+    } else {
+        single(f64::from(-0.5 * score).exp())
     }
 }
 

@@ -5,6 +5,8 @@ use rayon::prelude::*;
 /// So many points of a cell are kept at most.
 const MOST: usize = 16;
 const STRIPES: usize = 8;
+/// Cells of a stripe whose places are in a row.
+const PAGE: usize = 128;
 /// Points whose places are scrambled at once.
 const BATCH: usize = 128;
 
@@ -35,8 +37,12 @@ pub struct Samples {
 #[derive(Debug, Clone, Default)]
 struct Stripe {
     cells: Vec<Kept>,
-    places: Vec<[[f32; 3]; MOST]>,
+    /// Page by page, so that none is moved when more cells come.
+    places: Vec<Vec<Places>>,
 }
+
+/// One more than are kept: a place is written first, and counted when it stays.
+type Places = [[f32; 3]; MOST + 1];
 
 #[derive(Debug, Clone, Copy)]
 struct Kept {
@@ -62,19 +68,15 @@ impl Samples {
     /// Adds many points on all threads of the rayon pool; `cells` tells the cell of the point at a place of the list, if it is of one.
     pub fn push_all(&mut self, cells: impl Fn(usize) -> Option<u32> + Sync, places: &[[f32; 3]]) {
         let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
-        self.stripes.par_chunks_mut(share).enumerate().for_each(|(number, stripes)| {
-            let first = number * share;
-            let mut all = [0; BATCH];
-            for (batch, places) in places.chunks(BATCH).enumerate() {
-                scramble(places, &mut all);
-                for (at, (place, scrambled)) in (batch * BATCH..).zip(places.iter().zip(&all)) {
-                    let Some((stripe, cell)) = cells(at).map(home) else { continue };
-                    if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
-                        stripe.push(cell, *place, *scrambled);
-                    }
-                }
-            }
-        });
+        self.stripes
+            .par_chunks_mut(share)
+            .enumerate()
+            .for_each(|(number, stripes)| push_to(stripes, number * share, &cells, places));
+    }
+
+    /// As [`push_all`](Self::push_all), on the calling thread.
+    pub fn push_alone(&mut self, cells: impl Fn(usize) -> Option<u32>, places: &[[f32; 3]]) {
+        push_to(&mut self.stripes, 0, &cells, places);
     }
 
     /// The sample of a cell; empty for a cell without points.
@@ -93,7 +95,8 @@ impl Samples {
         // What the others left out is left out of the whole.
         let (stripe, at) = home(cell);
         let Stripe { cells, places } = &mut self.stripes[stripe];
-        if let (Some(kept), Some(places)) = (cells.get_mut(at), places.get_mut(at)) {
+        let places = places.get_mut(at / PAGE).and_then(|page| page.get_mut(at % PAGE));
+        if let (Some(kept), Some(places)) = (cells.get_mut(at), places) {
             while kept.halvings < theirs.halvings {
                 kept.halve(places);
             }
@@ -107,54 +110,79 @@ fn home(cell: u32) -> (usize, usize) {
     (cell as usize % STRIPES, cell as usize / STRIPES)
 }
 
+/// Adds those of many points that are of some stripes, of which this is the number of the first.
+#[inline]
+fn push_to(stripes: &mut [Stripe], first: usize, cells: &impl Fn(usize) -> Option<u32>, places: &[[f32; 3]]) {
+    let mut all = [0; BATCH];
+    for (batch, places) in places.chunks(BATCH).enumerate() {
+        scramble(places, &mut all);
+        for (at, (place, scrambled)) in (batch * BATCH..).zip(places.iter().zip(&all)) {
+            let Some((stripe, cell)) = cells(at).map(home) else { continue };
+            if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
+                stripe.push(cell, *place, *scrambled);
+            }
+        }
+    }
+}
+
 impl Stripe {
     #[inline]
     fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
         if at >= self.cells.len() {
             self.cells.resize(at + 1, Kept::NONE);
-            self.places.resize(at + 1, [[0.0; 3]; MOST]);
+            while self.places.len() * PAGE <= at {
+                self.places.push(vec![[[0.0; 3]; MOST + 1]; PAGE]);
+            }
         }
-        let kept = &mut self.cells[at];
-        if scrambled > kept.threshold {
-            return;
-        }
-        let places = &mut self.places[at];
-        while usize::from(kept.count) == MOST && scrambled <= kept.threshold && kept.halvings < 31 {
-            kept.halve(places);
-        }
-        if scrambled <= kept.threshold
-            && let Some(free) = places.get_mut(usize::from(kept.count))
-        {
+        let (kept, places) = (&mut self.cells[at], &mut self.places[at / PAGE][at % PAGE]);
+        // Whether a place stays cannot be predicted while a cell fills: there is no branch.
+        if let Some(free) = places.get_mut(usize::from(kept.count)) {
             *free = place;
-            kept.count += 1;
+        }
+        kept.count += u8::from(scrambled <= kept.threshold);
+        if usize::from(kept.count) > MOST {
+            kept.make_room(places);
         }
     }
 
     fn of(&self, at: usize) -> &[[f32; 3]] {
-        match (self.places.get(at), self.cells.get(at)) {
-            (Some(places), Some(kept)) => places.get(..usize::from(kept.count)).unwrap_or(&[]),
+        match (self.places.get(at / PAGE), self.cells.get(at)) {
+            (Some(page), Some(kept)) => {
+                page.get(at % PAGE).and_then(|places| places.get(..usize::from(kept.count))).unwrap_or(&[])
+            }
             _ => &[],
         }
     }
 }
 
 impl Kept {
-    fn halve(&mut self, places: &mut [[f32; 3]; MOST]) {
+    /// Halves the threshold until there is room for what was just counted; one place again and again is not kept without end.
+    #[inline(never)]
+    fn make_room(&mut self, places: &mut Places) {
+        while usize::from(self.count) > MOST && self.halvings < 31 {
+            self.halve(places);
+        }
+        if usize::from(self.count) > MOST {
+            self.count -= 1;
+        }
+    }
+
+    fn halve(&mut self, places: &mut Places) {
         self.halvings += 1;
         self.threshold = u32::MAX >> self.halvings;
+        let mut all = [0; MOST + 1];
+        scramble(places, &mut all);
         let mut count = 0;
-        for at in 0..usize::from(self.count) {
-            if scrambled(places[at]) <= self.threshold {
-                places[usize::from(count)] = places[at];
-                count += 1;
-            }
+        for (at, scrambled) in all.into_iter().enumerate().take(self.count.into()) {
+            places[usize::from(count)] = places[at];
+            count += u8::from(scrambled <= self.threshold);
         }
         self.count = count;
     }
 }
 
 /// The scrambled places of a batch, several at a time.
-fn scramble(places: &[[f32; 3]], to: &mut [u32; BATCH]) {
+fn scramble(places: &[[f32; 3]], to: &mut [u32]) {
     pulp::Arch::new().dispatch(|| to.iter_mut().zip(places).for_each(|(to, place)| *to = scrambled(*place)));
 }
 
@@ -232,10 +260,13 @@ mod tests {
                 let mut together = Samples::default();
                 let cell = |at: usize| u32::try_from(at % 11).ok();
                 pool.install(|| together.push_all(cell, &places));
+                let mut alone = Samples::default();
+                alone.push_alone(cell, &places);
                 let mut single = Samples::default();
                 places.iter().zip(0..).for_each(|(place, k)| single.push(k % 11, *place));
                 for cell in 0..11 {
                     prop_assert_eq!(together.of(cell), single.of(cell));
+                    prop_assert_eq!(alone.of(cell), single.of(cell));
                 }
             }
         }

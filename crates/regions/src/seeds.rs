@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::Step;
 use crate::field::{COARSE, Field};
-use crate::grow::{Growth, SEED_CHI_SQUARED, SEED_TILT};
+use crate::grow::{Growth, SEED_CHI_SQUARED, SEED_TILT, SEED_WIDTH};
 
 /// A group of cells to begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,7 +40,8 @@ impl Seeds {
         let mut bounds = Vec::new();
         for level in (0..field.levels.len()).filter(is_used) {
             let bound = |group: usize| {
-                let tilt = field.around(level, group).least_tilt(growth.noise, SEED_CHI_SQUARED)?;
+                let tilt =
+                    field.bounded[level][group].least_tilt(growth.noise, SEED_CHI_SQUARED, SEED_WIDTH)?;
                 // Groups are no more than cells, which are numbered with 32 bits.
                 let group = u32::try_from(group).ok()?;
                 (tilt <= SEED_TILT).then_some((Reverse(Tilt::of(tilt)), Reverse(Seed { level, group })))

@@ -145,8 +145,9 @@ pub fn find<'s>(
     settings: &Settings,
 ) -> Result<Found, RegionsError> {
     settings.validate()?;
-    let field = Field::of(cells, edge)?;
+    let mut field = Field::of(cells, edge)?;
     let (mut grown, noise) = grow_as_noise_allows(&field, settings);
+    field.end_growth();
     let narrowest = NARROWEST * field.coarse_edge();
     grown.retain(|region| {
         let [_, across, _] = region.fitted.fit.variances;
@@ -173,15 +174,16 @@ pub fn find<'s>(
     for (piece, number) in pieces.iter_mut().zip(numbers) {
         piece.region = number;
     }
-    let mut pieces_of: Vec<Vec<Piece>> = vec![Vec::new(); surface_of.len()];
-    for piece in &pieces {
-        pieces_of[piece.region as usize].push(*piece);
+    let mut pieces_of: Vec<Vec<u32>> = vec![Vec::new(); surface_of.len()];
+    for (at, piece) in (0..).zip(&pieces) {
+        pieces_of[piece.region as usize].push(at);
     }
     let looks_flat = |region: &Region| {
         let curved = |bend: Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
         !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
     };
-    let region = |((number, surface), pieces): ((u32, &u32), &Vec<Piece>)| {
+    let region = |((number, surface), of): ((u32, &u32), &Vec<u32>)| {
+        let pieces = of.iter().map(|at| &pieces[*at as usize]);
         let region = Region::of(&field, noise, &grown[*surface as usize].fitted, *surface, pieces)?;
         looks_flat(&region).then_some((number, region))
     };
@@ -256,8 +258,14 @@ impl Found {
 
 impl Region {
     /// What the labelled points of a grown region look like; `None` without any.
-    fn of(field: &Field, noise: Noise, fitted: &Fitted, surface: u32, pieces: &[Piece]) -> Option<Self> {
-        let looks = Surface::of(field, fitted, pieces.iter());
+    fn of<'p>(
+        field: &Field,
+        noise: Noise,
+        fitted: &Fitted,
+        surface: u32,
+        pieces: impl Iterator<Item = &'p Piece>,
+    ) -> Option<Self> {
+        let looks = Surface::of(field, fitted, pieces);
         (looks.points > 0).then(|| Self {
             normal: fitted.plane.normal.to_array(),
             point: fitted.plane.point.to_array(),

@@ -43,7 +43,7 @@ impl Surface {
         for of_column in order.chunk_by(|a, b| a.0 == b.0) {
             let mut column = Sum::default();
             for piece in of_column.iter().map(|(_, at)| pieces[*at]) {
-                let anchor = field.cells[piece.cell as usize].anchor - fitted.plane.point;
+                let anchor = field.anchors[piece.cell as usize] - fitted.plane.point;
                 let points = f64::from(piece.points);
                 column.points += points;
                 column.place += piece.sum + anchor * points;

@@ -1,19 +1,22 @@
 //! Points into their cells as they come.
 
 use super::locate::{BATCH, Located, NOWHERE};
-use super::{Chunk, PointErrors, Taken, records};
+use super::{Chunk, Taken, records};
 use crate::block::{BlockKey, RECENT};
+use crate::grid::Home;
 use crate::{CellId, VoxelGrid, VoxelKey};
 
 /// Batches that are looked at to tell in which order points come.
 const LOOKS: usize = 16;
+/// And at most one in so many is.
+const SPARSE: usize = 16;
 /// Points are in order when so few of them, at most one in so many, are in a block that was not met just before.
 const IN_ORDER: usize = 8;
 
 impl VoxelGrid {
     /// Whether most points are near those before, so that cells need not be brought together first.
     pub(super) fn are_in_order(&self, points: &[[f64; 3]]) -> bool {
-        let stride = (points.len() / LOOKS).max(BATCH);
+        let stride = (points.len() / LOOKS).max(SPARSE * BATCH);
         let (mut seen, mut new) = (0, 0);
         let mut located = Located::new();
         for part in points.chunks(stride) {
@@ -30,48 +33,59 @@ impl VoxelGrid {
         seen >= IN_ORDER * new
     }
 
-    /// On one thread, run by run. Cells, identities and sums are those of the other ways.
+    /// On one thread, point by point. Cells, identities and sums are those of the other ways.
+    ///
+    /// Noise carries points of a surface to and fro over the faces of voxels: to look for those that follow each other in one costs
+    /// more than to find the cell of each, which takes no branch that is hard to predict.
     pub(super) fn insert_in_order(
         &mut self,
         chunk: &Chunk<'_>,
-        cells: &mut [Option<CellId>],
-        mut places: Option<&mut [[f32; 3]]>,
+        cells: &mut Vec<Option<CellId>>,
+        mut places: Option<&mut Vec<[f32; 3]>>,
     ) -> Taken {
         let mut taken = Taken::default();
         let mut located = Located::new();
+        let mut homes = [Home::default(); BATCH];
+        let mut found = [None; BATCH];
         let lattice = self.lattice;
         for (batch, points) in chunk.points.chunks(BATCH).enumerate() {
             let begin = batch * BATCH;
             let errors = chunk.errors.part(begin..begin + points.len());
             let inside = located.locate(points, lattice);
-            if !(inside && errors.are_valid()) {
+            let all = inside && errors.are_valid();
+            if !all {
                 located.refuse(points, &errors, lattice, &mut taken);
             }
-            if let Some(places) =
-                places.as_mut().and_then(|places| places.get_mut(begin..begin + points.len()))
-            {
-                places.copy_from_slice(&located.places[..points.len()]);
+            if let Some(places) = &mut places {
+                places.extend_from_slice(&located.places[..points.len()]);
             }
-            let keys = &located.keys[..points.len()];
-            let mut first = 0;
-            while let Some(key) = keys.get(first) {
-                let run = first..first + keys[first..].iter().take_while(|other| *other == key).count();
-                first = run.end;
-                if *key != NOWHERE {
-                    let cell = self.add_run(*key, &points[run.clone()], &errors.part(run.clone()));
-                    cells[begin + run.start..begin + run.end].fill(cell);
-                    taken.points += run.len();
+            let (homes, found) = (&mut homes[..points.len()], &mut found[..points.len()]);
+            if all {
+                for ((key, home), found) in located.keys.iter().zip(&mut *homes).zip(&mut *found) {
+                    *found = self.founded_at(*key, home);
+                }
+                records::add_each(&mut self.parts, homes, &located.local, &errors);
+            } else {
+                for at in 0..points.len() {
+                    found[at] = None;
+                    if located.keys[at] != NOWHERE {
+                        found[at] = self.founded_at(located.keys[at], &mut homes[at]);
+                        let (errors, local) = (errors.part(at..at + 1), &located.local[at..=at]);
+                        records::add_each(&mut self.parts, &homes[at..=at], local, &errors);
+                    }
                 }
             }
+            taken.points += found.iter().flatten().count();
+            cells.extend_from_slice(found);
         }
         taken
     }
 
-    fn add_run(&mut self, key: VoxelKey, points: &[[f64; 3]], errors: &PointErrors<'_>) -> Option<CellId> {
-        let anchor = self.lattice.anchor_of(key);
+    /// Finds or founds the cell of a voxel, and tells where it is kept.
+    #[inline]
+    fn founded_at(&mut self, key: VoxelKey, home: &mut Home) -> Option<CellId> {
         // There is room: the caller sees to it.
-        let (home, _) = self.home_or_new(key).ok()?;
-        records::add_points(self.moments_mut(home), points, anchor, errors);
-        Some(self.id_of(home))
+        *home = self.home_or_new(key).ok()?.0;
+        Some(self.id_of(*home))
     }
 }

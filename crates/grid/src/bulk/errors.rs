@@ -45,11 +45,16 @@ impl PointErrors<'_> {
 
     /// Whether all can be used.
     pub(super) fn are_valid(&self) -> bool {
+        // Without a branch, several at a time.
+        let all = |sigmas: &[f64]| {
+            let bad = |bad, sigma: &f64| bad | u64::from(!is_error(*sigma));
+            pulp::Arch::new().dispatch(|| sigmas.iter().fold(0, bad)) == 0
+        };
         match self {
             Self::None => true,
             Self::Same(sigma) => is_error(*sigma),
-            Self::Each(sigmas) => sigmas.iter().all(|sigma| is_error(*sigma)),
-            Self::Axes(sigmas) => sigmas.as_flattened().iter().all(|sigma| is_error(*sigma)),
+            Self::Each(sigmas) => all(sigmas),
+            Self::Axes(sigmas) => all(sigmas.as_flattened()),
             Self::Covariances(covariances) => covariances.iter().all(is_covariance),
         }
     }
@@ -90,8 +95,9 @@ impl PointErrors<'_> {
 }
 
 #[inline]
+#[allow(clippy::manual_range_contains, clippy::needless_bitwise_bool, reason = "without a branch")]
 fn is_error(sigma: f64) -> bool {
-    (0.0..f64::INFINITY).contains(&sigma)
+    (sigma >= 0.0) & (sigma < f64::INFINITY)
 }
 
 #[inline]

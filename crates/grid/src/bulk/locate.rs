@@ -18,11 +18,13 @@ pub(super) struct Located {
     /// What is out of range has any key.
     pub(super) keys: [VoxelKey; BATCH],
     pub(super) places: [[f32; 3]; BATCH],
+    /// The places before they are rounded.
+    pub(super) local: [[f64; 3]; BATCH],
 }
 
 impl Located {
     pub(super) fn new() -> Self {
-        Self { keys: [NOWHERE; BATCH], places: [[0.0; 3]; BATCH] }
+        Self { keys: [NOWHERE; BATCH], places: [[0.0; 3]; BATCH], local: [[0.0; 3]; BATCH] }
     }
 
     /// Looks at some points; tells whether all are in range.
@@ -48,8 +50,9 @@ impl Located {
         let (unit, per_unit) = unit_of(size);
         let keys = self.keys.as_flattened_mut().iter_mut();
         let places = self.places.as_flattened_mut().iter_mut();
+        let local = self.local.as_flattened_mut().iter_mut();
         let mut inside = true;
-        for ((x, key), place) in points.as_flattened().iter().zip(keys).zip(places) {
+        for (((x, key), place), local) in points.as_flattened().iter().zip(keys).zip(places).zip(local) {
             let quotient = x / size;
             let floor = floor(quotient);
             inside &= floor.abs() <= f64::from(MAX_INDEX);
@@ -62,6 +65,7 @@ impl Located {
             // Whole numbers of a unit, so that sums of places are exact, whatever their order.
             #[allow(clippy::cast_possible_truncation)]
             let rounded = (whole((x - anchor) * per_unit) * unit) as f32;
+            *local = x - anchor;
             *place = rounded;
         }
         inside

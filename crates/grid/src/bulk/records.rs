@@ -5,6 +5,8 @@ use std::ops::Range;
 use terrace_stats::{Moments, SymmetricMatrix3};
 
 use super::PointErrors;
+use crate::grid::Home;
+use crate::part::Part;
 
 /// How many numbers a point is written with.
 #[inline]
@@ -78,36 +80,41 @@ pub(super) fn add<'n>(
     rest
 }
 
-/// Adds points as they are, with the same bits.
+/// Adds points, each to the sums of its cell and in their order, with the same bits.
 #[inline]
-pub(super) fn add_points(
-    moments: &mut Moments,
-    points: &[[f64; 3]],
-    anchor: [f64; 3],
-    errors: &PointErrors<'_>,
-) {
-    let local = |point: &[f64; 3]| [0, 1, 2].map(|i| point[i] - anchor[i]);
-    let squared = |sigma: f64| sigma * sigma;
-    match errors {
-        PointErrors::None => moments.extend_independent(points.iter().map(|point| (local(point), [0.0; 3]))),
-        PointErrors::Same(sigma) => {
-            let variances = [squared(*sigma); 3];
-            moments.extend_independent(points.iter().map(|point| (local(point), variances)));
-        }
-        PointErrors::Each(sigmas) => {
-            let vectors = points.iter().zip(*sigmas);
-            moments.extend_independent(vectors.map(|(point, sigma)| (local(point), [squared(*sigma); 3])));
-        }
+pub(super) fn add_each(parts: &mut [Part], homes: &[Home], local: &[[f64; 3]], errors: &PointErrors<'_>) {
+    // The same instructions, for more numbers at a time where the processor can: not one bit differs.
+    pulp::Arch::new().dispatch(|| match errors {
+        PointErrors::None => independent(parts, homes, local, |_| [0.0; 3]),
+        PointErrors::Same(sigma) => independent(parts, homes, local, |_| [sigma * sigma; 3]),
+        PointErrors::Each(sigmas) => independent(parts, homes, local, |at| [sigmas[at] * sigmas[at]; 3]),
         PointErrors::Axes(sigmas) => {
-            let vectors = points.iter().zip(*sigmas);
-            moments.extend_independent(vectors.map(|(point, sigma)| (local(point), sigma.map(squared))));
+            independent(parts, homes, local, |at| sigmas[at].map(|sigma| sigma * sigma));
         }
         PointErrors::Covariances(all) => {
-            let mut sums = *moments;
-            for (point, covariance) in points.iter().zip(*all) {
-                sums.push_covariant(local(point), &SymmetricMatrix3(*covariance));
+            for ((home, local), covariance) in homes.iter().zip(local).zip(*all) {
+                moments_of(parts, *home).push_covariant(*local, &SymmetricMatrix3(*covariance));
             }
-            *moments = sums;
         }
+    });
+}
+
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn independent(
+    parts: &mut [Part],
+    homes: &[Home],
+    local: &[[f64; 3]],
+    variances: impl Fn(usize) -> [f64; 3],
+) {
+    for (at, (home, local)) in homes.iter().zip(local).enumerate() {
+        moments_of(parts, *home).push_independent(*local, variances(at));
     }
+}
+
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn moments_of(parts: &mut [Part], home: Home) -> &mut Moments {
+    &mut parts[home.part as usize].slots[home.slot as usize].moments
 }

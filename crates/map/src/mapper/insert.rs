@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{GridError, Taken};
+use terrace_grid::{CellId, GridError, Taken};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
@@ -12,8 +12,9 @@ use crate::cell_size::choose_from;
 use crate::world::World;
 use crate::{InsertError, Inserted, Weighting};
 
-/// Points that are moved to the world at once.
+/// Points that go through all steps together: on several threads, and on one, where they stay in the cache.
 const AT_ONCE: usize = 1 << 20;
+const ALONE: usize = 1 << 13;
 
 impl Mapper {
     /// Adds the points of a scan.
@@ -78,6 +79,10 @@ impl Mapper {
     fn take(&mut self, scan: &Scan) -> Result<Inserted, InsertError> {
         self.coarse = OnceLock::new();
         let taken = match self.params.weighting {
+            // With more of them, insertion itself is what they do.
+            Weighting::Uniform if self.params.grows().is_some() && rayon::current_num_threads() == 2 => {
+                self.add_beside(scan)?
+            }
             Weighting::Uniform => self.add_all(scan)?,
             Weighting::Information => self.add_weighted(scan),
         };
@@ -105,42 +110,56 @@ impl Mapper {
     /// Adds points with weight 1, many at once.
     fn add_all(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
         let mut all = Taken::default();
+        let mut kept = self.kept_of(scan.len());
+        let matters = self.sightings_matter(scan);
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
+        let at_once = if rayon::current_num_threads() == 1 { ALONE } else { AT_ONCE };
         let mut world = World::default();
-        let mut forgotten = Kept::default();
-        let kept = if self.seen.is_some() { &mut forgotten } else { &mut self.kept };
-        for first in (0..scan.len()).step_by(AT_ONCE) {
-            let (points, errors) = world.part(scan, first..(first + AT_ONCE).min(scan.len()));
+        for first in (0..scan.len()).step_by(at_once) {
+            let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
             if self.seen.is_some() {
-                kept.clear();
+                kept.cells.clear();
+                kept.places.clear();
             }
             let begin = kept.cells.len();
             let places = grows.then_some(&mut kept.places);
             let taken = grid.insert_all(points, errors, &mut kept.cells, places)?;
-            all = Taken {
-                points: all.points + taken.points,
-                not_finite: all.not_finite + taken.not_finite,
-                refused: all.refused + taken.refused,
-                first_refusal: all.first_refusal.or(taken.first_refusal),
-            };
-            if let Some(seen) = &mut self.seen {
+            all = both(&all, &taken);
+            if let Some(seen) = self.seen.as_mut().filter(|_| matters) {
                 seen.push(&kept.cells);
             }
             if grows {
                 let cells = &kept.cells[begin..];
-                // A grid numbers its cells with 32 bits.
-                #[allow(clippy::cast_possible_truncation)]
-                let cell = |at: usize| cells[at].map(|cell| cell.index() as u32);
-                self.samples.push_all(cell, &kept.places[begin..]);
+                self.samples.push_all(|at| number(cells[at]), &kept.places[begin..]);
             }
         }
+        if self.seen.is_none() {
+            self.kept.push(kept);
+        }
         Ok(all)
+    }
+
+    /// Whether it will be asked from where the points of a scan, the last one, were seen: not if errors are stated, and no pose is wrong.
+    pub(super) fn sightings_matter(&self, scan: &Scan) -> bool {
+        self.views.last().is_some_and(|view| view.pose.is_some()) || !states_errors(scan)
+    }
+
+    /// Room for what is kept of so many points of the last scan: as much as that is, where they are.
+    pub(super) fn kept_of(&self, points: usize) -> Kept {
+        let room = if self.seen.is_some() { 0 } else { points };
+        let places = if self.params.grows().is_some() { room } else { 0 };
+        Kept {
+            cells: Vec::with_capacity(room),
+            places: Vec::with_capacity(places),
+            view: self.views.len().saturating_sub(1),
+        }
     }
 
     /// Adds points that weigh what they tell, one by one.
     fn add_weighted(&mut self, scan: &Scan) -> Taken {
         let mut taken = Taken::default();
+        let mut kept = self.kept_of(scan.len());
         let Some(grid) = &mut self.fine else { return taken };
         for point in scan.world_points() {
             let added = point.map(|point| {
@@ -155,10 +174,34 @@ impl Mapper {
                     taken.first_refusal.get_or_insert(refusal);
                 }
             }
-            self.kept.cells.push(added.and_then(Result::ok));
+            kept.cells.push(added.and_then(Result::ok));
         }
+        self.kept.push(kept);
         taken
     }
+}
+
+/// What became of points that were inserted one part after the other.
+pub(super) fn both(all: &Taken, taken: &Taken) -> Taken {
+    Taken {
+        points: all.points + taken.points,
+        not_finite: all.not_finite + taken.not_finite,
+        refused: all.refused + taken.refused,
+        first_refusal: all.first_refusal.or(taken.first_refusal),
+    }
+}
+
+/// The number of a cell in the samples.
+#[inline]
+pub(super) fn number(cell: Option<CellId>) -> Option<u32> {
+    // A grid numbers its cells with 32 bits.
+    #[allow(clippy::cast_possible_truncation)]
+    cell.map(|cell| cell.index() as u32)
+}
+
+/// Whether the error of any point is stated. Then it does not matter from where those of a pose without error were seen.
+fn states_errors(scan: &Scan) -> bool {
+    scan.world_points().flatten().any(|point| point.sigma.is_some_and(|sigma| sigma.iter().any(|s| *s > 0.0)))
 }
 
 /// `1/σ²` with the mean of the variances along the axes.

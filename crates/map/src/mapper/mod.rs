@@ -1,5 +1,6 @@
 //! The growing map: scans in.
 
+mod beside;
 mod insert;
 
 use std::sync::OnceLock;
@@ -22,7 +23,8 @@ pub struct Mapper {
     coarse: OnceLock<Option<Coarse>>,
     /// Some points of each fine cell, where regions are grown.
     samples: Samples,
-    kept: Kept,
+    /// One for each scan, or chunk of it: in parts, so that nothing is moved when more come.
+    kept: Vec<Kept>,
     /// What each view saw of which cell, where points are not kept.
     seen: Option<Seen>,
     /// Where the sensors stood, scan after scan.
@@ -37,20 +39,15 @@ pub(crate) struct Coarse {
     pub(crate) of: Vec<CellId>,
 }
 
-/// What is kept of every point so far, scan after scan.
+/// What is kept of the points of a scan, or of a chunk of it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Kept {
     /// The fine cell; `None` for points that were left out.
     pub(crate) cells: Vec<Option<CellId>>,
     /// Where it is, from the centre of its voxel, where labels are those of points.
     pub(crate) places: Vec<[f32; 3]>,
-}
-
-impl Kept {
-    fn clear(&mut self) {
-        self.cells.clear();
-        self.places.clear();
-    }
+    /// The number of the scan.
+    pub(crate) view: usize,
 }
 
 /// The points of a scan and where they were seen from.
@@ -88,14 +85,15 @@ impl Mapper {
             fine: None,
             coarse: OnceLock::new(),
             samples: Samples::default(),
-            kept: Kept::default(),
+            kept: Vec::new(),
             seen: None,
             views: Vec::new(),
         })
     }
 
-    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and with how many
-    /// scans saw each. For scans that do not fit into memory, see [`Mapper::insert_more`] and [`Mapper::extract_streamed`].
+    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and, where it matters from
+    /// where they were seen, with how many scans saw each. For scans that do not fit into memory, see [`Mapper::insert_more`] and
+    /// [`Mapper::extract_streamed`].
     ///
     /// # Errors
     /// [`StreamingError`] when a parameter cannot be used, or points could not be told again by where they are
@@ -150,7 +148,7 @@ impl Mapper {
         &self.samples
     }
 
-    pub(crate) fn kept(&self) -> &Kept {
+    pub(crate) fn kept(&self) -> &[Kept] {
         &self.kept
     }
 
@@ -205,9 +203,9 @@ impl Mapper {
     }
 
     /// The cell of each point so far, scan after scan; `None` for points that were left out. None at all where they are not kept.
-    pub fn cells_of_points(&self) -> impl ExactSizeIterator<Item = Option<CellId>> {
+    pub fn cells_of_points(&self) -> impl Iterator<Item = Option<CellId>> {
         let coarse = self.params.grows().and_then(|_| self.coarse());
-        self.kept.cells.iter().map(move |cell| match coarse {
+        self.kept.iter().flat_map(|kept| &kept.cells).map(move |cell| match coarse {
             None => *cell,
             Some(coarse) => coarse.of.get((*cell)?.index()).copied(),
         })

@@ -98,7 +98,7 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let nodes = Nodes::of(grid, used.tau, mapper.params());
+        let mut nodes = Nodes::without_normals(grid, used.tau, mapper.params());
 
         begins(Stage::Grow { cells: grid.len() });
         let floor = mapper.params().estimate.unwrap_or_default().floor;
@@ -108,13 +108,16 @@ impl<'m> Grown<'m> {
             fine.find_errors(&mut errors);
         }
         let samples = |place: usize| fine.number(place).map_or(&[][..], |number| mapper.samples().of(number));
-        let found = find(
-            &fine.cells,
-            cells.cell_size(),
-            fine.cells.iter().map(|cell| cell.stats.count()).sum(),
-            samples,
-            &settings.settings(nodes.know_errors() && settings.errors_are_complete),
-        )?;
+        let settings_of_find = settings.settings(nodes.know_errors() && settings.errors_are_complete);
+        let points = fine.cells.iter().map(|cell| cell.stats.count()).sum();
+        // Regions grow one after the other: what does not need them has the other threads.
+        let (found, ()) = rayon::join(
+            || find(&fine.cells, cells.cell_size(), points, samples, &settings_of_find),
+            || nodes.find_normals(mapper.params()),
+        );
+        let found = found?;
+        // They have said what they know.
+        fine.cells = Vec::new();
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
@@ -126,16 +129,17 @@ impl<'m> Grown<'m> {
 
     /// The labels of all points that are kept, and what they measure, view by view.
     fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Vec<Measure>>) {
-        let kept = self.mapper.kept();
-        let mut labels: Vec<Option<PlaneId>> = vec![None; kept.cells.len()];
-        let mut rest = (&kept.cells[..], &kept.places[..], &mut labels[..]);
-        let mut by_view = Vec::new();
-        for view in self.mapper.views() {
-            let (cells, more_cells) = rest.0.split_at(view.points);
-            let (places, more_places) = rest.1.split_at(view.points);
-            let (labels, more_labels) = rest.2.split_at_mut(view.points);
-            rest = (more_cells, more_places, more_labels);
-            by_view.push(self.label(cells, places, labels));
+        let regions = self.found.regions.len();
+        let mut labels: Vec<Option<PlaneId>> = vec![None; self.mapper.len()];
+        let mut rest = &mut labels[..];
+        let mut by_view = vec![vec![Measure::default(); regions]; self.mapper.views().len()];
+        for kept in self.mapper.kept() {
+            let (labels, more_labels) = rest.split_at_mut(kept.cells.len());
+            rest = more_labels;
+            let measures = self.label(&kept.cells, &kept.places, labels);
+            if let Some(of_view) = by_view.get_mut(kept.view) {
+                of_view.iter_mut().zip(&measures).for_each(|(sum, more)| sum.add(more));
+            }
         }
         (labels, by_view)
     }

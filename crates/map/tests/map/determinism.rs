@@ -28,6 +28,15 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
+#[test]
+fn steps_side_by_side_give_the_same_bits() {
+    // Scans of more points than go through a step together.
+    let scans = scans(&Scene::room(), 400_000, 3);
+    let one = on_threads(1, || map_of(Params::default(), &scans));
+    let two = on_threads(2, || map_of(Params::default(), &scans));
+    assert!(one == two && bits(&one) == bits(&two));
+}
+
 /// The same map with the seed left out of the record of parameters.
 fn seedless(mut map: PlaneMap) -> String {
     map.used.params.seed = 0;

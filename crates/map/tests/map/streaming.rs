@@ -211,7 +211,7 @@ fn points_count_though_they_are_forgotten() {
         assert_eq!(mapper.insert(scan).unwrap().points, scan.present());
     }
     assert_eq!(mapper.len(), scans.iter().map(|(scan, _)| scan.len()).sum::<usize>());
-    assert_eq!(mapper.cells_of_points().len(), 0);
+    assert_eq!(mapper.cells_of_points().count(), 0);
     let map = mapper.extract().unwrap();
     assert!(map.labels.is_empty() && !map.planes.is_empty());
     assert_eq!(map.points, mapper.len());
