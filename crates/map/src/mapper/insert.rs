@@ -54,7 +54,7 @@ impl Mapper {
         if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
             seen.end_view(last);
         }
-        self.views.push(View { points: 0, sensor: scan.sensor_position(), pose });
+        self.views.push(View::new(scan.sensor_position(), pose));
         self.take(scan)
     }
 
@@ -83,6 +83,8 @@ impl Mapper {
         };
         if let Some(view) = self.views.last_mut() {
             view.points += scan.len();
+            view.absent += taken.not_finite;
+            view.out_of_range += taken.refused;
         }
         Ok(Inserted {
             points: taken.points,

@@ -1,15 +1,21 @@
 //! The growing map: scans in.
 
 mod insert;
+mod merge;
+mod parts;
+mod view;
 
 use std::sync::OnceLock;
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
-use terrace_noise::PoseNoise;
 use terrace_regions::Samples;
 
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
+
+pub use merge::MergeError;
+pub use parts::{MapBuilder, MapCell, MapParts, PartsError};
+pub use view::View;
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
 #[derive(Debug, Clone)]
@@ -51,15 +57,6 @@ impl Kept {
         self.cells.clear();
         self.places.clear();
     }
-}
-
-/// The points of a scan and where they were seen from.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct View {
-    pub(crate) points: usize,
-    pub(crate) sensor: Option<[f64; 3]>,
-    /// How sure its pose is.
-    pub(crate) pose: Option<PoseNoise>,
 }
 
 /// What became of the points of a scan.
@@ -211,9 +208,5 @@ impl Mapper {
             None => *cell,
             Some(coarse) => coarse.of.get((*cell)?.index()).copied(),
         })
-    }
-
-    pub(crate) fn views(&self) -> &[View] {
-        &self.views
     }
 }
