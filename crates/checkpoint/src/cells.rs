@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, UInt8Type, UInt32Type, UInt64Type};
+use arrow_array::types::{
+    ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, UInt8Type, UInt32Type, UInt64Type,
+};
 use arrow_array::{Array, ArrayRef, ListArray, PrimitiveArray, RecordBatch, StructArray};
 use arrow_buffer::{OffsetBuffer, ScalarBuffer};
 use arrow_schema::{DataType, Schema};
@@ -11,7 +13,9 @@ use parquet::errors::ParquetError;
 use terrace::{MapCell, Moments, Sighting, SymmetricMatrix3};
 
 use crate::MapFileError;
-use crate::schema::{HALVINGS, KEY, NOISE, PLACE, POINTS, SAMPLE, SECOND, SEEN, SIGHTING, SUM, entry, fields};
+use crate::schema::{
+    HALVINGS, KEY, NOISE, PLACE, POINTS, SAMPLE, SECOND, SEEN, SIGHTING, SUM, entry, fields,
+};
 
 /// Rows that are put together.
 #[derive(Default)]
@@ -65,8 +69,10 @@ impl Columns {
         }
         let Self { key, points, sum, second, noise, places, sample_ends, halvings, sightings, seen_ends } =
             std::mem::take(self);
-        let sample = list(&PLACE, &DataType::Float32, places.map(column::<Float32Type>).to_vec(), sample_ends)?;
-        let seen = list(&SIGHTING, &DataType::UInt32, sightings.map(column::<UInt32Type>).to_vec(), seen_ends)?;
+        let sample =
+            list(&PLACE, &DataType::Float32, places.map(column::<Float32Type>).to_vec(), sample_ends)?;
+        let seen =
+            list(&SIGHTING, &DataType::UInt32, sightings.map(column::<UInt32Type>).to_vec(), seen_ends)?;
         let columns: Vec<ArrayRef> = (key.into_iter().map(column::<Int32Type>))
             .chain([column::<UInt64Type>(points)])
             .chain(sum.into_iter().chain(second).chain(noise).map(column::<Float64Type>))
@@ -77,7 +83,12 @@ impl Columns {
 }
 
 /// Lists of entries with these fields, given where each list ends.
-fn list(names: &[&str], of: &DataType, columns: Vec<ArrayRef>, ends: Vec<i32>) -> Result<ArrayRef, ParquetError> {
+fn list(
+    names: &[&str],
+    of: &DataType,
+    columns: Vec<ArrayRef>,
+    ends: Vec<i32>,
+) -> Result<ArrayRef, ParquetError> {
     let fields = fields(names, of);
     let offsets = OffsetBuffer::new(ScalarBuffer::from_iter(std::iter::once(0).chain(ends)));
     let entries = StructArray::try_new(fields.clone(), columns, None)?;
@@ -125,7 +136,8 @@ impl<'b> Rows<'b> {
             sample.clear();
             sample.extend(within(self.sample_ends, row).map(|at| self.places.map(|of| of[at])));
             seen.clear();
-            let sighting = |at: usize| Sighting { view: self.sightings[0][at], points: self.sightings[1][at] };
+            let sighting =
+                |at: usize| Sighting { view: self.sightings[0][at], points: self.sightings[1][at] };
             seen.extend(within(self.seen_ends, row).map(sighting));
             to(&MapCell {
                 key: self.key.map(|of| of[row]),

@@ -34,6 +34,9 @@ pub enum MapFileError {
     /// It is not Parquet, damaged, or packed in a way that is not read.
     #[error("not Parquet, or damaged: {0}")]
     Parquet(#[from] ParquetError),
+    /// Its pages cannot be decoded.
+    #[error("damaged: some values cannot be decoded")]
+    Undecodable,
     /// A page does not hold what a map can have.
     #[error("damaged: column {column} at byte {offset}: {error}")]
     Page {

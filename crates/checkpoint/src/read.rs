@@ -2,11 +2,14 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+};
 use parquet::errors::ParquetError;
 use parquet::file::reader::ChunkReader;
 use terrace::Mapper;
@@ -47,7 +50,7 @@ pub fn is_parquet(path: &Path) -> bool {
 
 fn read<R: ChunkReader + 'static>(file: R) -> Result<Mapper, MapFileError> {
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    let metadata = parquet::arrow::arrow_reader::ArrowReaderMetadata::load(&file, options)?;
+    let metadata = contained(|| ArrowReaderMetadata::load(&file, options))?;
     let all = metadata.metadata();
     let entries = all.file_metadata().key_value_metadata().into_iter().flatten();
     let head = entries.filter(|entry| entry.key == METADATA_KEY).find_map(|entry| entry.value.as_deref());
@@ -60,9 +63,9 @@ fn read<R: ChunkReader + 'static>(file: R) -> Result<Mapper, MapFileError> {
     );
     check_pages(&file, all, |column| known.leaf_included(column))?;
     let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata);
+    let mut reader = contained(|| reader.with_projection(known).with_batch_size(BATCH).build())?;
     let mut row = 0;
-    for batch in reader.with_projection(known).with_batch_size(BATCH).build()? {
-        let batch = batch.map_err(ParquetError::from)?;
+    while let Some(batch) = contained(|| reader.next().transpose().map_err(ParquetError::from))? {
         Rows::of(&batch)?.each(|cell| {
             let pushed = builder.push(cell).map_err(|error| MapFileError::Cell { row, error });
             row += 1;
@@ -70,4 +73,13 @@ fn read<R: ChunkReader + 'static>(file: R) -> Result<Mapper, MapFileError> {
         })?;
     }
     builder.finish().map_err(MapFileError::Map)
+}
+
+/// What the reader of Parquet returns, or that it panicked: its decoders do on some damaged files, where the bytes of a page are not as many
+/// as its values take. After that it is not used again.
+fn contained<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, MapFileError> {
+    match catch_unwind(AssertUnwindSafe(read)) {
+        Ok(outcome) => Ok(outcome?),
+        Err(_) => Err(MapFileError::Undecodable),
+    }
 }

@@ -93,7 +93,8 @@ fn unknown(name: &'static str, value: &str) -> MapFileError {
 
 impl From<&Params> for Settings {
     fn from(params: &Params) -> Self {
-        let Params { cell_size: _, tau, omega, phi, depth, connectivity, assignment, weighting, .. } = *params;
+        let Params { cell_size: _, tau, omega, phi, depth, connectivity, assignment, weighting, .. } =
+            *params;
         let Params { fit, random_seeds, optimise, estimate, regions, min_cells, seed, .. } = *params;
         Self {
             tau,
@@ -129,7 +130,8 @@ impl From<Optimise> for OptimiseSettings {
 
 impl From<Regions> for RegionSettings {
     fn from(regions: Regions) -> Self {
-        let Regions { tilt, reach, turn, min_points, min_area, join, errors_are_complete, leave_out } = regions;
+        let Regions { tilt, reach, turn, min_points, min_area, join, errors_are_complete, leave_out } =
+            regions;
         let (join, leave_out) = (name(JOINS, &join), leave_out.map(|step| format!("{step:?}")));
         Self { tilt, reach, turn, min_points, min_area, join, errors_are_complete, leave_out }
     }

@@ -34,7 +34,10 @@ impl<'b> Thrift<'b> {
 
     /// Hands the fields of a structure to `field`, by their numbers. `None` when the bytes are none, or end before it does.
     /// Where a field is a structure, `field` reads it or has it passed over.
-    pub(crate) fn structure(&mut self, mut field: impl FnMut(&mut Self, i64, Value) -> Option<()>) -> Option<()> {
+    pub(crate) fn structure(
+        &mut self,
+        mut field: impl FnMut(&mut Self, i64, Value) -> Option<()>,
+    ) -> Option<()> {
         let mut number = 0_i64;
         loop {
             let head = self.byte()?;
@@ -150,8 +153,8 @@ mod tests {
     fn fields_are_told_by_their_numbers() {
         // 1: −1, 2: 150, 5: a structure with a text, a list of three and a bool, 40 (by its full number): 3.
         let bytes = [
-            0x15, 0x01, 0x15, 0xac, 0x02, 0x3c, 0x18, 0x02, b'a', b'b', 0x19, 0x35, 0x02, 0x04, 0x06, 0x11, 0x00,
-            0x05, 0x50, 0x06, 0x00,
+            0x15, 0x01, 0x15, 0xac, 0x02, 0x3c, 0x18, 0x02, b'a', b'b', 0x19, 0x35, 0x02, 0x04, 0x06, 0x11,
+            0x00, 0x05, 0x50, 0x06, 0x00,
         ];
         let found = fields(&bytes).unwrap();
         let number = Value::Number;
@@ -163,7 +166,10 @@ mod tests {
 
     #[test]
     fn what_does_not_end_is_no_structure() {
-        assert_eq!(fields(&[0x15, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01, 0x00]), None);
+        assert_eq!(
+            fields(&[0x15, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01, 0x00]),
+            None
+        );
         // A text and a list that are longer than what is there, and structures without end.
         assert_eq!(fields(&[0x18, 0xff, 0xff, 0xff, 0x7f, 0x00]), None);
         assert_eq!(fields(&[0x19, 0xf5, 0xff, 0xff, 0xff, 0x7f, 0x00]), None);

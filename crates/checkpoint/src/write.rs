@@ -28,7 +28,8 @@ const ROW_GROUP: usize = 1 << 16;
 pub fn write_map(mapper: &Mapper, out: impl Write + Send) -> Result<(), SaveError> {
     let parts = mapper.parts()?;
     let schema = Arc::new(schema());
-    let options = ArrowWriterOptions::new().with_properties(properties(mapper)?).with_skip_arrow_metadata(true);
+    let options =
+        ArrowWriterOptions::new().with_properties(properties(mapper)?).with_skip_arrow_metadata(true);
     let mut writer = ArrowWriter::try_new_with_options(out, Arc::clone(&schema), options)?;
     let mut columns = Columns::default();
     for cell in parts.cells() {

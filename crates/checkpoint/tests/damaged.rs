@@ -30,7 +30,8 @@ fn check(mapper: &Mapper) {
         assert!(cell.sums.sum().iter().all(|x| x.is_finite()) && cell.sums.second().is_finite());
         assert!(cell.sums.noise().is_finite());
     }
-    let of_views = mapper.views().iter().map(|view| view.points - view.absent - view.out_of_range).sum::<usize>();
+    let of_views =
+        mapper.views().iter().map(|view| view.points - view.absent - view.out_of_range).sum::<usize>();
     assert_eq!(points, of_views as u64);
     let _ = mapper.extract();
 }
@@ -49,7 +50,7 @@ fn flipped_bits_are_an_error_or_a_map() {
     let bytes = small();
     assert!(read_map(bytes.clone()).is_ok());
     let (mut refused, mut random) = (0, 7_u64);
-    let variants = std::env::var("VARIANTS").map_or(1500, |n| n.parse().unwrap());
+    let variants = 1500;
     for variant in 0..variants {
         let mut damaged = bytes.clone();
         for _ in 0..1 + variant % 3 {
@@ -96,7 +97,8 @@ fn changed(
     let reader = ParquetRecordBatchReaderBuilder::try_new(Bytes::copy_from_slice(bytes)).unwrap();
     let entries = reader.metadata().file_metadata().key_value_metadata().unwrap().clone();
     let entry = entries.into_iter().find(|entry| entry.key == METADATA_KEY).unwrap();
-    let changed = metadata(entry.value.unwrap()).map(|value| vec![KeyValue::new(METADATA_KEY.to_owned(), value)]);
+    let changed =
+        metadata(entry.value.unwrap()).map(|value| vec![KeyValue::new(METADATA_KEY.to_owned(), value)]);
     let batches: Vec<RecordBatch> = reader.build().unwrap().map(Result::unwrap).collect();
     let batches: Vec<RecordBatch> = batches
         .iter()
@@ -145,7 +147,10 @@ fn the_error_tells_what_is_wrong() {
     assert!(matches!(with("\"version\":1", "\"version\":2,\"new\":0"), MapFileError::Version { found: 2 }));
     assert!(matches!(with("{", "["), MapFileError::Metadata(_)));
     assert!(matches!(with("\"voxel\"", "\"pixel\""), MapFileError::Setting { name: "assignment", .. }));
-    assert!(matches!(with("\"cell_size\":0.5", "\"cell_size\":-0.5"), MapFileError::Map(PartsError::Params(_))));
+    assert!(matches!(
+        with("\"cell_size\":0.5", "\"cell_size\":-0.5"),
+        MapFileError::Map(PartsError::Params(_))
+    ));
     assert!(matches!(with("\"cell_size\":0.5", "\"cell_size\":0.25"), MapFileError::Cell { .. }));
     assert!(matches!(with("\"absent\":0", "\"absent\":1"), MapFileError::Map(PartsError::ViewPoints { .. })));
     assert!(matches!(with("[[0.0001,0.0", "[[-0.0001,0.0"), MapFileError::Pose { view: 0, .. }));
@@ -175,6 +180,17 @@ fn the_error_tells_what_is_wrong() {
         Some(Arc::new(zeros))
     });
     assert!(matches!(error, MapFileError::Cell { error: PartsError::SameKey { .. }, .. }), "{error}");
+}
+
+#[test]
+fn a_page_with_too_few_bytes_for_its_values_is_told() {
+    // Found by flipped bits: the decoder of floats panics. What is packed is said not to be.
+    let mut damaged = small();
+    let path = b"\x18\x05sum_x\x15\x02";
+    let at = damaged.windows(path.len()).position(|bytes| bytes == path).unwrap();
+    damaged[at + path.len() - 1] = 0;
+    let error = read_map(damaged).unwrap_err();
+    assert!(matches!(error, MapFileError::Undecodable), "{error}");
 }
 
 #[test]

@@ -15,7 +15,9 @@ fn cloud(points: Vec<[f64; 3]>, sigma: Sigma) -> Scan {
 #[test]
 fn a_room_comes_back_with_its_planes() {
     let scans = room(60_000, 3);
-    for params in [Params::default(), Params::clusters(), Params { cell_size: Some(0.2), ..Params::default() }] {
+    for params in
+        [Params::default(), Params::clusters(), Params { cell_size: Some(0.2), ..Params::default() }]
+    {
         let mapper = map(params, &scans);
         let bytes = file(&mapper);
         let mut again = read_map(bytes.clone()).unwrap();
@@ -47,7 +49,9 @@ fn a_map_that_keeps_its_points_gives_the_same_file() {
 
 #[test]
 fn maps_of_no_point_and_of_one_come_back() {
-    for params in [Params::default(), Params::clusters(), Params { cell_size: Some(0.1), ..Params::default() }] {
+    for params in
+        [Params::default(), Params::clusters(), Params { cell_size: Some(0.1), ..Params::default() }]
+    {
         let empty = Mapper::streaming(params).unwrap();
         let again = read_map(file(&empty)).unwrap();
         assert_eq!(all(&again), all(&empty));
