@@ -37,19 +37,19 @@ impl Folder {
         })
     }
 
-    /// Extracts a part and saves its map.
-    fn save(&self, part: &str, more: &[&str]) -> String {
-        let (map, out) = (part.replace(".ply", ".parquet"), part.replace(".ply", ""));
-        let fixed = ["extract", part, "--no-points", "--quiet", "--out", &out, "--save-map", &map];
-        let _ = terrace(fixed.iter().chain(more)).ended_with(0);
-        map
-    }
-
     fn merge(&self, maps: &[&str], out: &str) -> PlanesFile {
         let out = self.path(out);
         let _ = terrace(["merge", "--out", &out].iter().chain(maps)).ended_with(0);
         planes(Path::new(&out))
     }
+}
+
+/// Extracts a part and saves its map beside it.
+fn save(part: &str, more: &[&str]) -> String {
+    let (map, out) = (part.replace(".ply", ".parquet"), part.replace(".ply", ""));
+    let fixed = ["extract", part, "--no-points", "--quiet", "--out", &out, "--save-map", &map];
+    let _ = terrace(fixed.iter().chain(more)).ended_with(0);
+    map
 }
 
 fn near(a: f64, b: f64, by: f64) -> bool {
@@ -95,7 +95,7 @@ fn the_merged_map_of_parts_has_the_planes_of_one_run() {
         .ended_with(0);
         let expected = planes(Path::new(&whole));
         assert!(expected.planes.len() > 8);
-        let maps = parts.each_ref().map(|part| folder.save(part, &options));
+        let maps = parts.each_ref().map(|part| save(part, &options));
         let [a, b, c] = maps.each_ref().map(String::as_str);
 
         let all = folder.path("all.parquet");
@@ -117,7 +117,7 @@ fn the_merged_map_of_parts_has_the_planes_of_one_run() {
 fn settings_can_be_changed_when_maps_are_merged() {
     let folder = Folder::new();
     let [_, part, _] = folder.room_in_parts();
-    let map = folder.save(&part, &["--cell", "0.1"]);
+    let map = save(&part, &["--cell", "0.1"]);
     let found = folder.merge(&[&map, "--join", "coplanar", "--tau", "7", "--min-points", "900"], "out");
     let regions = &found.parameters["regions"];
     assert_eq!((&regions["join"], &found.parameters["tau"]), (&"coplanar".into(), &7.into()));
@@ -144,14 +144,14 @@ fn merge(arguments: &[&str], folder: &Folder) -> Run {
 fn maps_that_do_not_fit_are_told() {
     let folder = Folder::new();
     let [one, other, _] = folder.room_in_parts();
-    let map = folder.save(&one, &["--cell", "0.1"]);
+    let map = save(&one, &["--cell", "0.1"]);
     let told = |file: &str, words: &[&str]| {
         let run = merge(&[&map, file], &folder).ended_with(1);
         assert!(words.iter().all(|word| run.stderr.contains(word)), "{}", run.stderr);
         assert!(!PathBuf::from(folder.path("none")).exists());
     };
-    told(&folder.save(&other, &["--cell", "0.12"]), &["2.parquet", "0.1 m", "0.12 m", "--cell"]);
-    told(&folder.save(&other, &["--cell", "0.1", "--preset", "clusters"]), &["regions", "--preset"]);
+    told(&save(&other, &["--cell", "0.12"]), &["2.parquet", "0.1 m", "0.12 m", "--cell"]);
+    told(&save(&other, &["--cell", "0.1", "--preset", "clusters"]), &["regions", "--preset"]);
     let unknown = folder.path("unknown.xyz");
     let floor: String =
         (0..2500).map(|k| format!("{} {} 0\n", 0.02 * f64::from(k % 50), 0.02 * f64::from(k / 50))).collect();

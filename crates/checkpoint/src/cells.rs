@@ -44,9 +44,6 @@ impl Columns {
         if !sum.iter().chain(&second).chain(&noise).all(|x| x.is_finite()) {
             return false;
         }
-        fn add<T: Copy, const N: usize>(columns: &mut [Vec<T>; N], row: [T; N]) {
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-        }
         add(&mut self.key, cell.key);
         self.points.push(cell.sums.count());
         add(&mut self.sum, sum);
@@ -82,6 +79,11 @@ impl Columns {
     }
 }
 
+/// Adds a row to some columns.
+fn add<T, const N: usize>(columns: &mut [Vec<T>; N], row: [T; N]) {
+    columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+}
+
 /// Lists of entries with these fields, given where each list ends.
 fn list(
     names: &[&str],
@@ -90,7 +92,7 @@ fn list(
     ends: Vec<i32>,
 ) -> Result<ArrayRef, ParquetError> {
     let fields = fields(names, of);
-    let offsets = OffsetBuffer::new(ScalarBuffer::from_iter(std::iter::once(0).chain(ends)));
+    let offsets = OffsetBuffer::new(std::iter::once(0).chain(ends).collect::<ScalarBuffer<i32>>());
     let entries = StructArray::try_new(fields.clone(), columns, None)?;
     Ok(Arc::new(ListArray::try_new(entry(fields), offsets, Arc::new(entries), None)?))
 }

@@ -34,9 +34,9 @@ pub(crate) fn check_pages<R: ChunkReader>(
         rows = sum(rows, group.num_rows(), most).map_err(|error| refused(group, 0, 0, error))?;
         for (number, column) in group.columns().iter().enumerate().filter(|(number, _)| wanted(*number)) {
             let refused = |(offset, error)| refused(group, number, offset, error);
-            let all = values.get_mut(number).map_or(0, |all| std::mem::take(all));
-            let more = sum(all, column.num_values(), most).map_err(|error| refused((0, error)))?;
-            values[number] = more;
+            if let Some(all) = values.get_mut(number) {
+                *all = sum(*all, column.num_values(), most).map_err(|error| refused((0, error)))?;
+            }
             check_column(file, column).map_err(refused)?;
         }
     }

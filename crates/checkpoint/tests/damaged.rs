@@ -53,7 +53,7 @@ fn flipped_bits_are_an_error_or_a_map() {
     let variants = 1500;
     for variant in 0..variants {
         let mut damaged = bytes.clone();
-        for _ in 0..1 + variant % 3 {
+        for _ in 0..=variant % 3 {
             random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
             // Half of them in the description of the file, at its end.
             let behind = if variant % 2 == 0 { bytes.len() } else { bytes.len().min(9000) };
@@ -116,24 +116,25 @@ fn changed(
     let mut out = Vec::new();
     let properties = WriterProperties::builder().set_key_value_metadata(changed).build();
     let mut writer = ArrowWriter::try_new(&mut out, batches[0].schema(), Some(properties)).unwrap();
-    batches.iter().for_each(|batch| writer.write(batch).unwrap());
+    for batch in &batches {
+        writer.write(batch).unwrap();
+    }
     writer.close().unwrap();
     out
 }
 
-fn same(_: &str, array: &ArrayRef) -> Option<ArrayRef> {
-    Some(Arc::clone(array))
-}
+/// Leaves a column as it is.
+const SAME: fn(&str, &ArrayRef) -> Option<ArrayRef> = |_, array| Some(Arc::clone(array));
 
 #[test]
 fn the_error_tells_what_is_wrong() {
     let bytes = small();
     let refused = |file: Vec<u8>| read_map(file).unwrap_err();
     // Written by others, without compression and with dictionaries: the same map.
-    let again = read_map(changed(&bytes, Some, same)).unwrap();
+    let again = read_map(changed(&bytes, Some, SAME)).unwrap();
     assert_eq!(all(&again), all(&read_map(bytes.clone()).unwrap()));
 
-    assert!(matches!(refused(changed(&bytes, |_| None, same)), MapFileError::NoMap));
+    assert!(matches!(refused(changed(&bytes, |_| None, SAME)), MapFileError::NoMap));
     let with = |from: &'static str, to: &'static str| {
         refused(changed(
             &bytes,
@@ -141,7 +142,7 @@ fn the_error_tells_what_is_wrong() {
                 assert!(text.contains(from), "{text}");
                 Some(text.replacen(from, to, 1))
             },
-            same,
+            SAME,
         ))
     };
     assert!(matches!(with("\"version\":1", "\"version\":2,\"new\":0"), MapFileError::Version { found: 2 }));
@@ -156,7 +157,7 @@ fn the_error_tells_what_is_wrong() {
     assert!(matches!(with("[[0.0001,0.0", "[[-0.0001,0.0"), MapFileError::Pose { view: 0, .. }));
 
     let column = |of: &'static str, to: &dyn Fn(&ArrayRef) -> Option<ArrayRef>| {
-        let change = |name: &str, array: &ArrayRef| if name == of { to(array) } else { same(name, array) };
+        let change = |name: &str, array: &ArrayRef| if name == of { to(array) } else { SAME(name, array) };
         refused(changed(&bytes, Some, change))
     };
     let error = column("points", &|_| None);

@@ -8,6 +8,19 @@ use proptest::prelude::*;
 use terrace::{Frame, Join, Mapper, Params, Scan, Sigma};
 use terrace_checkpoint::{SaveError, is_parquet, open_map, read_map, write_map};
 
+/// A disk without room.
+struct Full;
+
+impl std::io::Write for Full {
+    fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+        Err(std::io::Error::other("the disk is full"))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
 fn cloud(points: Vec<[f64; 3]>, sigma: Sigma) -> Scan {
     Scan::new(points, sigma, Frame::World { sensor: None }).unwrap()
 }
@@ -72,15 +85,6 @@ fn maps_that_cannot_be_saved_are_told() {
     let params = Params { cell_size: Some(0.1), ..Params::default() };
     let huge = map(params, &[cloud(vec![[0.04; 3]], Sigma::Uniform(1e200))]);
     assert!(matches!(write_map(&huge, Vec::new()), Err(SaveError::NotFinite { key: [0, 0, 0] })));
-    struct Full;
-    impl std::io::Write for Full {
-        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
-            Err(std::io::Error::other("the disk is full"))
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
     let error = write_map(&map(params, &room(3000, 1)), Full).unwrap_err();
     assert!(error.to_string().contains("the disk is full"), "{error}");
 }

@@ -54,7 +54,7 @@ impl Mapper {
         if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
             seen.end_view(last);
         }
-        self.views.push(View::new(scan.sensor_position(), pose));
+        self.views.push(View { points: 0, absent: 0, out_of_range: 0, sensor: scan.sensor_position(), pose });
         self.take(scan)
     }
 

@@ -1,6 +1,6 @@
 //! Two maps into one.
 
-use terrace_grid::{CellId, GridError};
+use terrace_grid::{CellId, GridError, VoxelGrid};
 
 use super::parts::number;
 use super::{Kept, Mapper};
@@ -148,7 +148,7 @@ impl Mapper {
         if self.seen.is_none() {
             let sightings = Sightings::of_fine(self);
             let mut seen = Seen::default();
-            for cell in self.fine.iter().flat_map(|grid| grid.founded()) {
+            for cell in self.fine.iter().flat_map(VoxelGrid::founded) {
                 seen.restore(cell.id(), sightings.of_cell(cell.id().index()));
             }
             self.seen = Some(seen);

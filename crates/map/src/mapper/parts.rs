@@ -1,6 +1,6 @@
 //! A map taken apart, and put together again.
 
-use terrace_grid::{CellId, GridError, VoxelKey};
+use terrace_grid::{CellId, GridError, VoxelGrid, VoxelKey};
 use terrace_regions::{SampleError, Samples};
 use terrace_stats::Moments;
 
@@ -131,13 +131,13 @@ impl Mapper {
 
     /// Number of cells that points were added to.
     pub fn cells(&self) -> usize {
-        self.fine.as_ref().map_or(0, terrace_grid::VoxelGrid::len)
+        self.fine.as_ref().map_or(0, VoxelGrid::len)
     }
 
     /// Whether the standard errors of any point are known.
     pub fn knows_errors(&self) -> bool {
         let known = |cell: terrace_grid::Cell| cell.stats().moments().noise().trace() > 0.0;
-        self.fine.iter().flat_map(|grid| grid.founded()).any(known)
+        self.fine.iter().flat_map(VoxelGrid::founded).any(known)
     }
 }
 
@@ -149,7 +149,7 @@ impl MapParts<'_> {
 
     /// Its cells, in the order in which they were founded.
     pub fn cells(&self) -> impl Iterator<Item = MapCell<'_>> {
-        let cells = self.mapper.fine.iter().flat_map(|grid| grid.founded());
+        let cells = self.mapper.fine.iter().flat_map(VoxelGrid::founded);
         cells.map(|cell| {
             let number = number(cell.id());
             MapCell {

@@ -18,10 +18,6 @@ pub struct View {
 }
 
 impl View {
-    pub(crate) fn new(sensor: Option<[f64; 3]>, pose: Option<PoseNoise>) -> Self {
-        Self { points: 0, absent: 0, out_of_range: 0, sensor, pose }
-    }
-
     /// How many of its points are in the map; `None` when more are missing than there are.
     pub(crate) fn present(&self) -> Option<usize> {
         self.points.checked_sub(self.absent)?.checked_sub(self.out_of_range)

@@ -305,7 +305,9 @@ proptest! {
                 };
                 prop_assert_eq!(set(found.sample), set(cell.sample));
                 let mut seen = [found.seen, cell.seen].map(|seen| seen.iter().map(|s| s.points).collect::<Vec<_>>());
-                seen.iter_mut().for_each(|seen| seen.sort_unstable());
+                for seen in &mut seen {
+                    seen.sort_unstable();
+                }
                 prop_assert_eq!(&seen[0], &seen[1]);
             }
         }
