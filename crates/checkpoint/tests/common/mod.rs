@@ -11,7 +11,7 @@ pub fn room(points: usize, seed: u64) -> Vec<Scan> {
 /// A map that forgets its points. Every third pose is uncertain.
 pub fn map(params: Params, scans: &[Scan]) -> Mapper {
     let mut mapper = Mapper::streaming(params).unwrap();
-    let noise = PoseNoise::from_radians(0.01, 0.1 / 3.0).unwrap();
+    let noise = PoseNoise::from_radians(0.01, 0.001 / 3.0).unwrap();
     for (number, scan) in scans.iter().enumerate() {
         let noise = (number % 3 == 0 && scan.sensor_position().is_some()).then_some(noise);
         mapper.insert_from(scan, noise).unwrap();
