@@ -1,5 +1,6 @@
 //! The growing map: scans in.
 
+mod builder;
 mod insert;
 mod merge;
 mod parts;
@@ -13,8 +14,9 @@ use terrace_regions::Samples;
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
 
+pub use builder::{MapBuilder, PartsError};
 pub use merge::MergeError;
-pub use parts::{MapBuilder, MapCell, MapParts, PartsError};
+pub use parts::{MapCell, MapParts};
 pub use view::View;
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
