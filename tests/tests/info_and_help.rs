@@ -64,6 +64,7 @@ fn help_names_every_option() {
         "--picture",
         "--up",
         "--no-points",
+        "--save-map",
         "--threads",
         "--quiet",
     ];
@@ -85,8 +86,11 @@ fn help_names_every_option() {
         "--threads",
         "--quiet",
     ];
-    let commands: [(&str, Vec<&str>); 7] = [
+    let merge =
+        ["--out", "--tau", "--join", "--phi", "--seed", "--floor", "--save-map", "--threads", "--quiet"];
+    let commands: [(&str, Vec<&str>); 8] = [
         ("extract", [&extract[..], &read].concat()),
+        ("merge", merge.to_vec()),
         ("tune", [&tune[..], &read].concat()),
         ("info", read.to_vec()),
         (

@@ -10,6 +10,8 @@ use terrace_noise::SensorNoise;
 use crate::calibrate_args::CalibrateArgs;
 use crate::eval_args::EvalArgs;
 use crate::extract_args::ExtractArgs;
+#[cfg(feature = "parquet")]
+use crate::merge_args::MergeArgs;
 
 /// Finds the planes of 3D scans and says how sure it is of the orientation of each.
 #[derive(Debug, Parser)]
@@ -30,6 +32,9 @@ pub struct Cli {
 pub enum Command {
     /// Extract the planes of scans
     Extract(Box<ExtractArgs>),
+    /// Put maps together that 'extract' saved, and extract their planes
+    #[cfg(feature = "parquet")]
+    Merge(Box<MergeArgs>),
     /// Search the settings that suit scans best: cell size, depth, tau, omega and phi at once
     Tune(Box<TuneArgs>),
     /// Compare found labels with true ones: precision, recall, overlap, planes split and merged, angles
@@ -204,7 +209,7 @@ pub struct SynthArgs {
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Files of points
+    /// Files of points, or maps that were saved
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How files are read.

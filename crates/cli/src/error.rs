@@ -33,6 +33,26 @@ pub enum CliError {
     /// A file cannot be read.
     #[error(transparent)]
     Read(#[from] terrace_io::ReadError),
+    /// A file is no map.
+    #[cfg(feature = "parquet")]
+    #[error("{}: {error}", path.display())]
+    MapFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: terrace_checkpoint::MapFileError,
+    },
+    /// A map does not fit those before it.
+    #[cfg(feature = "parquet")]
+    #[error("{}: {error}: {advice}", path.display())]
+    Merge {
+        /// The file of the map.
+        path: PathBuf,
+        /// What does not fit.
+        error: terrace::MergeError,
+        /// What to do about it.
+        advice: &'static str,
+    },
     /// A file that was read before cannot be read again, or changed in between.
     #[error("{path}: the file changed while it was worked on")]
     Changed {

@@ -8,6 +8,9 @@ mod commands;
 mod error;
 mod eval_args;
 mod extract_args;
+#[cfg(feature = "parquet")]
+mod merge_args;
+mod method_args;
 mod picture;
 mod progress;
 mod report;
@@ -33,6 +36,8 @@ fn main() -> ExitCode {
     }
     let outcome = match &cli.command {
         Command::Extract(args) => commands::extract::run(args),
+        #[cfg(feature = "parquet")]
+        Command::Merge(args) => commands::merge::run(args),
         Command::Eval(args) => commands::eval::run(args),
         Command::Calibrate(args) => commands::calibrate::run(args),
         Command::Synth(args) => commands::synth::run(args),

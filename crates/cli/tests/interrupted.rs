@@ -45,6 +45,27 @@ fn nothing_stays_of_an_interrupted_extraction() {
     assert_eq!(std::fs::read(out.join("labels.npy")).unwrap(), b"those of before");
 }
 
+#[cfg(feature = "parquet")]
+#[test]
+fn nothing_stays_of_an_interrupted_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, maps) = (folder.path().join("scene"), folder.path().join("maps"));
+    let made = Command::new(env!("CARGO_BIN_EXE_terrace"))
+        .args(["synth", "room", "--points", "2000000", "--quiet", "--out"])
+        .arg(&scene)
+        .status();
+    assert!(made.unwrap().success());
+    let run = Command::new(env!("CARGO_BIN_EXE_terrace"))
+        .args(["extract", "--quiet", "--out"])
+        .args([&folder.path().join("out"), &scene.join("points.ply")])
+        .arg("--save-map")
+        .arg(maps.join("map.parquet"))
+        .spawn()
+        .unwrap();
+    interrupt(run, "-INT", || names(&maps).len() == 1);
+    assert_eq!(names(&maps), [""; 0]);
+}
+
 #[test]
 fn nothing_stays_of_an_interrupted_scene() {
     for signal in ["-INT", "-TERM"] {

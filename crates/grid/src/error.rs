@@ -1,6 +1,6 @@
 //! What a grid refuses.
 
-use crate::{MAX_CELL_SIZE, MIN_CELL_SIZE};
+use crate::{MAX_CELL_SIZE, MIN_CELL_SIZE, VoxelKey};
 
 /// Why a grid could not be made, or a point or another grid not be added.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -27,6 +27,12 @@ pub enum GridError {
         position: [f64; 3],
         /// The edge of a voxel.
         size: f64,
+    },
+    /// The index of a voxel is above [`MAX_INDEX`](crate::MAX_INDEX) in absolute value.
+    #[error("the voxel ({}, {}, {}) is too many cells from the origin", key[0], key[1], key[2])]
+    KeyOutOfRange {
+        /// The index as given.
+        key: VoxelKey,
     },
     /// A standard error is NaN, infinite or negative.
     #[error("the standard error ({}, {}, {}) is not finite and at least 0", error[0], error[1], error[2])]

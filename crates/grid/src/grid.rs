@@ -8,7 +8,7 @@ use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
 use crate::key::Lattice;
 use crate::part::Part;
-use crate::{Assignment, GridError, VoxelKey, validate_cell_size};
+use crate::{Assignment, GridError, MAX_INDEX, VoxelKey, validate_cell_size};
 
 /// Cells a grid can number.
 pub(crate) const MOST_CELLS: usize = u32::MAX as usize - 1;
@@ -147,6 +147,37 @@ impl VoxelGrid {
             }
         }
         Ok(())
+    }
+
+    /// Adds sums to the cell of a voxel, and founds it where there is none: a grid is put together again from its cells, in the order
+    /// of [`founded`](Self::founded). The sums are relative to what [`Cell::anchor`] tells of that voxel.
+    ///
+    /// ```
+    /// use terrace_grid::{Assignment, VoxelGrid};
+    /// use terrace_stats::UncertainVector;
+    ///
+    /// let mut grid = VoxelGrid::new(0.1, Assignment::Voxel)?;
+    /// for x in [0.01, 0.22, 0.03] {
+    ///     grid.insert(&UncertainVector::exact([x, 0.0, 0.0]))?;
+    /// }
+    /// let mut again = VoxelGrid::new(0.1, Assignment::Voxel)?;
+    /// for cell in grid.founded() {
+    ///     let id = again.add_cell(cell.key(), cell.stats().moments())?;
+    ///     assert_eq!(id, cell.id());
+    /// }
+    /// assert!(again.iter().zip(grid.iter()).all(|(a, b)| (a.key(), a.stats()) == (b.key(), b.stats())));
+    /// # Ok::<(), terrace_grid::GridError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GridError::KeyOutOfRange`], [`GridError::Full`]; the grid is then unchanged. The sums are not checked.
+    pub fn add_cell(&mut self, key: VoxelKey, sums: &Moments) -> Result<CellId, GridError> {
+        if !key.iter().all(|k| (-MAX_INDEX..=MAX_INDEX).contains(k)) {
+            return Err(GridError::KeyOutOfRange { key });
+        }
+        let (home, _) = self.home_or_new(key)?;
+        self.moments_mut(home).merge(sums);
+        Ok(self.id_of(home))
     }
 
     /// All cells in the order in which they were founded: that of [`CellId::index`].

@@ -59,14 +59,14 @@ pub enum WriteErrorKind {
 /// [`WriteError`] with what `write` returned, or when the folder cannot be made or the file not be written or renamed.
 pub fn write_atomically(
     path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> Result<(), WriteErrorKind>,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> Result<(), WriteErrorKind>,
 ) -> Result<(), WriteError> {
     write_aside(path, write).map_err(|kind| WriteError { path: path.to_owned(), kind })
 }
 
 fn write_aside(
     path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> Result<(), WriteErrorKind>,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> Result<(), WriteErrorKind>,
 ) -> Result<(), WriteErrorKind> {
     let mut file = FileAside::create(path)?;
     write(&mut file)?;

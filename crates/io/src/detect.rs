@@ -14,7 +14,7 @@ pub(crate) enum Format {
 }
 
 /// First bytes of formats that are not read, their name, and the way out.
-const FOREIGN: [(&[u8], &str, &str); 11] = [
+const FOREIGN: [(&[u8], &str, &str); 12] = [
     (b"#ROSBAG", "a ROS 1 bag", "export its clouds to PCD first, as `rosrun pcl_ros bag_to_pcd` does"),
     (b"\x89MCAP0", "an MCAP recording", "export its clouds to PCD first"),
     (b"SQLite format 3", "a database, perhaps a ROS 2 bag", "export its clouds to PCD first"),
@@ -24,6 +24,7 @@ const FOREIGN: [(&[u8], &str, &str); 11] = [
     (b"II*\0", "a TIFF image", "depth is read from 16-bit grey PNG"),
     (b"MM\0*", "a TIFF image", "depth is read from 16-bit grey PNG"),
     (b"P5", "a PGM image", "depth is read from 16-bit grey PNG"),
+    (b"PAR1", "Parquet, perhaps a saved map", "give maps to `terrace merge`, and points as PLY, PCD or NPY"),
     (b"\x1f\x8b", "gzip", "unpack it first"),
     (b"PK\x03\x04", "a ZIP archive", "unpack it first"),
 ];

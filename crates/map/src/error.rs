@@ -32,6 +32,9 @@ pub enum StreamingError {
     /// Points that find their cell by expected distance, or weigh what they tell, are not told again by where they are.
     #[error("points can only be forgotten where their cell is told by their place and each counts the same")]
     NotByPlace,
+    /// What views saw is only known where covariances need it.
+    #[error("what views saw of the cells is not known everywhere: the map was made to spare that")]
+    Spared,
 }
 
 /// Why a scan could not be inserted. The mapper is as it was.

@@ -48,7 +48,8 @@ impl Mapper {
     /// # Errors
     /// [`ExtractError::Empty`] when no point was inserted.
     ///
-    /// Where points are [not kept](Mapper::streaming) there are no labels, see [`Mapper::extract_streamed`].
+    /// Where points are [not kept](Mapper::streaming) there are no labels, see [`Mapper::extract_streamed`]; planes then face the sensors
+    /// from which most points of their cells were seen.
     pub fn extract(&self) -> Result<PlaneMap, ExtractError> {
         self.extract_observed(|_| {})
     }
@@ -59,7 +60,9 @@ impl Mapper {
     /// As [`Mapper::extract`].
     pub fn extract_observed(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
         if self.is_streaming() {
-            return self.extract_streamed(begins).map(|(map, _)| map);
+            let (mut map, labels) = self.extract_streamed(begins)?;
+            labels.face_by_cells(&mut map);
+            return Ok(map);
         }
         match self.params().grows() {
             Some(regions) => self.extract_regions(&regions, begins),

@@ -49,6 +49,10 @@
 //! [`Mapper::extract_streamed`], and then the chunks are given once more for their labels ([`PointLabels`]). [`CellSizeSample`] chooses
 //! the cell size from all of a scan in chunks.
 //!
+//! # Maps in parts
+//! [`Mapper::merge`] makes one map of two. [`Mapper::parts`] takes a map apart, and [`MapBuilder`] puts it together again:
+//! `terrace-checkpoint` saves maps so.
+//!
 //! # Units and frames
 //! Metres and radians; planes are in the world frame of the poses.
 //!
@@ -84,9 +88,9 @@ pub use cell_size::{CellSizeChoice, choose_cell_size};
 pub use cost::{Beta, BetaStep, CostForm, PhiCost};
 pub use error::{ExtractError, InsertError, ParamsError, StreamingError};
 
-pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate};
+pub use estimate::{CellPlane, NoiseKnot, NoiseLevel, PlaneEstimate, Sighting};
 pub use extract::Stage;
-pub use mapper::{Inserted, Mapper};
+pub use mapper::{Inserted, MapBuilder, MapCell, MapParts, Mapper, MergeError, PartsError, View};
 pub use optimise::Optimised;
 pub use params::{Estimate, Join, Optimise, Params, Regions, Search, Weighting};
 pub use plane_map::{CellCounts, ExtractedPlane, Grown, LabelledCell, PlaneMap, Summary, Used};
@@ -95,11 +99,12 @@ pub use uncertain::{UncertainCluster, UncertainClusters};
 
 pub use terrace_cluster::{Interval, SeedOrder};
 pub use terrace_crs::{Minimum, Source, StopReason, Trial};
-pub use terrace_grid::{Assignment, CellId, Connectivity, VoxelKey};
+pub use terrace_grid::{Assignment, CellId, Connectivity, GridError, VoxelKey};
 pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
 pub use terrace_normals::{PlaneFit, UncertainNormal};
-pub use terrace_regions::Step as RegionStep;
+pub use terrace_regions::{SampleError, Step as RegionStep};
+pub use terrace_stats::{Moments, SymmetricMatrix3};
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 
 /// The examples of the README are tests.

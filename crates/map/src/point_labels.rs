@@ -139,6 +139,28 @@ impl PointLabels<'_> {
         }
     }
 
+    /// Turns the planes to the sensors by what each view saw of their cells, where points are not given again. Of regions these are the
+    /// cells that nine in ten points of one plane make up.
+    pub(crate) fn face_by_cells(&self, map: &mut PlaneMap) {
+        let (Some(seen), By::Cells { planes, .. } | By::Regions(RegionLabels { of_cells: planes, .. })) =
+            (self.mapper.seen(), &self.by)
+        else {
+            return;
+        };
+        let coarse = self.mapper.params().grows().and_then(|_| self.mapper.coarse());
+        let of_grid = |cell: CellId| coarse.map_or(Some(cell), |coarse| coarse.of.get(cell.index()).copied());
+        let views = self.mapper.views();
+        let mut points = vec![vec![0_u64; map.planes.len()]; views.len()];
+        for (cell, sighting) in seen.all(views.len().saturating_sub(1)) {
+            let plane = of_grid(cell).and_then(|cell| planes.get(cell.index()).copied().flatten());
+            let of_view = points.get_mut(sighting.view as usize);
+            if let Some(sum) = plane.zip(of_view).and_then(|(id, of_view)| of_view.get_mut(id.index())) {
+                *sum += u64::from(sighting.points);
+            }
+        }
+        face_sensors(&mut map.planes, &points, views);
+    }
+
     /// Gives the planes their points as they were labelled one by one, and turns them to the sensors that saw them. What is labelled
     /// afterwards is not counted: points can be given again, to be drawn or outlined.
     pub fn finish(&mut self, map: &mut PlaneMap) {

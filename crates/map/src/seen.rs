@@ -41,6 +41,28 @@ impl Seen {
         }
     }
 
+    /// What views that are over saw of a cell.
+    pub(crate) fn restore(&mut self, cell: CellId, seen: &[Sighting]) {
+        self.before.extend(seen.iter().map(|sighting| (cell, *sighting)));
+    }
+
+    /// Adds what the views of another map saw, behind so many views of this one. All are over.
+    pub(crate) fn append<'s>(
+        &mut self,
+        views: usize,
+        cells: impl Iterator<Item = (&'s CellId, &'s [Sighting])>,
+    ) {
+        if let Some(last) = views.checked_sub(1) {
+            self.end_view(last);
+        }
+        let first = u32::try_from(views).unwrap_or(u32::MAX);
+        for (cell, seen) in cells {
+            let behind =
+                |sighting: &Sighting| Sighting { view: first.saturating_add(sighting.view), ..*sighting };
+            self.before.extend(seen.iter().map(|sighting| (*cell, behind(sighting))));
+        }
+    }
+
     /// All sightings, where `last` is the last view.
     pub(crate) fn all(&self, last: usize) -> impl Iterator<Item = (CellId, Sighting)> {
         self.before.iter().copied().chain(self.by(last))

@@ -62,3 +62,28 @@ pub enum RegionsError {
         expected: &'static str,
     },
 }
+
+/// What cannot be the [sample](crate::Samples) of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SampleError {
+    /// It is said to be halved more often than a sample is.
+    #[error("a sample is halved 31 times at most, not {halvings}")]
+    Halvings {
+        /// As given.
+        halvings: u8,
+    },
+    /// There are more places than a sample has.
+    #[error("a sample has sixteen places at most, not {places}")]
+    TooMany {
+        /// As given.
+        places: usize,
+    },
+    /// A place is not finite, or would have been left out.
+    #[error("the place {place:?} is not of a sample that was halved {halvings} times")]
+    Place {
+        /// From the anchor of the cell, in metres.
+        place: [f32; 3],
+        /// How often the sample was halved.
+        halvings: u8,
+    },
+}

@@ -93,7 +93,7 @@ mod surface;
 
 pub use bend::{Bend, Column};
 pub use cell::Cell;
-pub use error::RegionsError;
+pub use error::{RegionsError, SampleError};
 pub use field::sums_around;
 pub use labels::{Labeller, Measure, Points};
 pub use samples::Samples;

@@ -2,8 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::SampleError;
+
 /// So many points of a cell are kept at most.
 const MOST: usize = 16;
+/// After so many halvings the threshold is at its least.
+const MOST_HALVINGS: u8 = 31;
 const STRIPES: usize = 8;
 /// Cells of a stripe whose places are in a row.
 const PAGE: usize = 128;
@@ -85,6 +89,41 @@ impl Samples {
         self.stripes[stripe].of(at)
     }
 
+    /// How often the sample of a cell was halved: it has those of its points whose scrambled places are below 2³²⁻ʰ.
+    pub fn halvings(&self, cell: u32) -> u8 {
+        let (stripe, at) = home(cell);
+        self.stripes[stripe].cells.get(at).map_or(0, |kept| kept.halvings)
+    }
+
+    /// Puts a sample that was taken elsewhere in the place of that of a cell: what [`of`](Self::of) and
+    /// [`halvings`](Self::halvings) told of it.
+    ///
+    /// # Errors
+    /// [`SampleError`] when it is no sample of any points; the samples are then unchanged.
+    pub fn restore(&mut self, cell: u32, places: &[[f32; 3]], halvings: u8) -> Result<(), SampleError> {
+        if halvings > MOST_HALVINGS {
+            return Err(SampleError::Halvings { halvings });
+        }
+        if places.len() > MOST {
+            return Err(SampleError::TooMany { places: places.len() });
+        }
+        let threshold = u32::MAX >> halvings;
+        let sampled =
+            |place: &[f32; 3]| place.iter().all(|x| x.is_finite()) && scrambled(*place) <= threshold;
+        if let Some(place) = places.iter().find(|place| !sampled(place)) {
+            return Err(SampleError::Place { place: *place, halvings });
+        }
+        let (stripe, at) = home(cell);
+        let stripe = &mut self.stripes[stripe];
+        stripe.reach(at);
+        // At most sixteen.
+        #[allow(clippy::cast_possible_truncation)]
+        let count = places.len() as u8;
+        stripe.cells[at] = Kept { count, halvings, threshold };
+        stripe.places[at / PAGE][at % PAGE][..places.len()].copy_from_slice(places);
+        Ok(())
+    }
+
     /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
     pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
         let (from, there) = home(of);
@@ -126,14 +165,20 @@ fn push_to(stripes: &mut [Stripe], first: usize, cells: &impl Fn(usize) -> Optio
 }
 
 impl Stripe {
+    /// Makes room for a cell.
     #[inline]
-    fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
+    fn reach(&mut self, at: usize) {
         if at >= self.cells.len() {
             self.cells.resize(at + 1, Kept::NONE);
             while self.places.len() * PAGE <= at {
                 self.places.push(vec![[[0.0; 3]; MOST + 1]; PAGE]);
             }
         }
+    }
+
+    #[inline]
+    fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
+        self.reach(at);
         let (kept, places) = (&mut self.cells[at], &mut self.places[at / PAGE][at % PAGE]);
         // Whether a place stays cannot be predicted while a cell fills: there is no branch.
         if let Some(free) = places.get_mut(usize::from(kept.count)) {
@@ -159,7 +204,7 @@ impl Kept {
     /// Halves the threshold until there is room for what was just counted; one place again and again is not kept without end.
     #[inline(never)]
     fn make_room(&mut self, places: &mut Places) {
-        while usize::from(self.count) > MOST && self.halvings < 31 {
+        while usize::from(self.count) > MOST && self.halvings < MOST_HALVINGS {
             self.halve(places);
         }
         if usize::from(self.count) > MOST {
@@ -239,7 +284,38 @@ mod tests {
         assert!((share - 0.5).abs() < 4.0 * 0.5 / (halves[0] as f64).sqrt(), "{halves:?}");
     }
 
+    #[test]
+    fn what_is_no_sample_is_refused() {
+        let mut samples = all(&[[0.25, 0.5, 0.125]; 3]);
+        let before = sorted(&samples, 0);
+        assert_eq!(samples.restore(0, &[], 32), Err(SampleError::Halvings { halvings: 32 }));
+        assert_eq!(samples.restore(0, &[[0.0; 3]; 17], 0), Err(SampleError::TooMany { places: 17 }));
+        assert!(matches!(samples.restore(0, &[[f32::NAN; 3]], 0), Err(SampleError::Place { .. })));
+        // Of one in two thousand million, hardly any place is one.
+        let place = [0.3, 0.1, 0.2];
+        assert_eq!(samples.restore(0, &[place], 31), Err(SampleError::Place { place, halvings: 31 }));
+        assert_eq!(sorted(&samples, 0), before);
+        assert_eq!(samples.restore(5, &[], 31), Ok(()));
+        assert_eq!((samples.of(5).len(), samples.halvings(5), samples.halvings(9)), (0, 31, 0));
+    }
+
     proptest! {
+        #[test]
+        fn a_sample_that_is_restored_goes_on_as_it_was(
+            places in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f32), 0..100),
+            more in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f32), 0..100),
+        ) {
+            let mut first = all(&places);
+            let mut again = Samples::default();
+            prop_assert_eq!(again.restore(0, first.of(0), first.halvings(0)), Ok(()));
+            for place in more {
+                first.push(0, place);
+                again.push(0, place);
+                prop_assert_eq!(first.of(0), again.of(0));
+            }
+            prop_assert_eq!(first.halvings(0), again.halvings(0));
+        }
+
         #[test]
         fn neither_order_nor_parts_matter(
             places in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f32), 0..200),

@@ -23,8 +23,8 @@ pub use cells::CellPlane;
 use columns::{Columns, Near};
 pub(crate) use level::Residuals;
 pub use level::{NoiseKnot, NoiseLevel};
-pub(crate) use sightings::Sighting;
-use sightings::Sightings;
+pub use sightings::Sighting;
+pub(crate) use sightings::Sightings;
 
 /// Where a plane is taken for one with something else, the search for the larger part takes so many rounds at most.
 const CORE_ROUNDS: usize = 10;

@@ -3,14 +3,14 @@
 use terrace_grid::CellId;
 
 use crate::Mapper;
-use crate::seen::Seen;
 
 /// Some points of a cell, seen in one scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Sighting {
-    /// Place of the scan in the order of insertion.
-    pub(crate) view: u32,
-    pub(crate) points: u32,
+pub struct Sighting {
+    /// Place of the scan in the order of insertion, from 0.
+    pub view: u32,
+    /// Number of points; 2³² − 1 stands for all above.
+    pub points: u32,
 }
 
 /// One for each scan.
@@ -34,12 +34,24 @@ pub(crate) struct Sightings {
 }
 
 impl Sightings {
+    /// Of the cells of the grid.
     pub(crate) fn of(mapper: &Mapper) -> Self {
         let cells = mapper.grid().map_or(0, terrace_grid::VoxelGrid::len);
-        let mut found = match mapper.seen() {
-            Some(seen) => counted_before(mapper, seen),
-            None => counted_now(mapper, cells),
+        let coarse = mapper.params().grows().and_then(|_| mapper.coarse());
+        let cell_of_grid = |cell: CellId| match coarse {
+            None => Some(cell),
+            Some(coarse) => coarse.of.get(cell.index()).copied(),
         };
+        Self::grouped(cells, found(mapper, cells, cell_of_grid))
+    }
+
+    /// Of the cells that points are added to.
+    pub(crate) fn of_fine(mapper: &Mapper) -> Self {
+        let cells = mapper.fine().map_or(0, terrace_grid::VoxelGrid::len);
+        Self::grouped(cells, found(mapper, cells, Some))
+    }
+
+    fn grouped(cells: usize, mut found: Vec<(u32, Sighting)>) -> Self {
         found.sort_unstable_by_key(|(cell, sighting)| (*cell, sighting.view));
         found.dedup_by(|(next, more), (cell, sighting)| {
             let same = (*next, more.view) == (*cell, sighting.view);
@@ -67,24 +79,27 @@ impl Sightings {
     }
 }
 
-/// What views saw of the cells of the grid, where that was counted point by point; a cell may come several times.
-fn counted_before(mapper: &Mapper, seen: &Seen) -> Vec<(u32, Sighting)> {
-    let coarse = mapper.params().grows().and_then(|_| mapper.coarse());
-    let cell_of_grid = |cell: CellId| match coarse {
-        None => Some(cell),
-        Some(coarse) => coarse.of.get(cell.index()).copied(),
-    };
-    seen.all(mapper.views().len().saturating_sub(1))
-        .filter_map(|(cell, sighting)| Some((u32::try_from(cell_of_grid(cell)?.index()).ok()?, sighting)))
-        .collect()
+/// What views saw of the cells that `cell_of` makes of those that points are added to; a cell may come several times.
+fn found(mapper: &Mapper, cells: usize, cell_of: impl Fn(CellId) -> Option<CellId>) -> Vec<(u32, Sighting)> {
+    match mapper.seen() {
+        Some(seen) => seen
+            .all(mapper.views().len().saturating_sub(1))
+            .filter_map(|(cell, sighting)| Some((u32::try_from(cell_of(cell)?.index()).ok()?, sighting)))
+            .collect(),
+        None => counted_now(mapper, cells, cell_of),
+    }
 }
 
 /// The same of points that are kept.
-fn counted_now(mapper: &Mapper, cells: usize) -> Vec<(u32, Sighting)> {
+fn counted_now(
+    mapper: &Mapper,
+    cells: usize,
+    cell_of: impl Fn(CellId) -> Option<CellId>,
+) -> Vec<(u32, Sighting)> {
     let mut counts = vec![0_u32; cells];
     let mut touched: Vec<u32> = Vec::new();
     let mut found: Vec<(u32, Sighting)> = Vec::new();
-    let mut rest = mapper.cells_of_points();
+    let mut rest = mapper.kept().iter().flat_map(|kept| &kept.cells).map(|cell| cell.and_then(&cell_of));
     for (view, seen) in (0..).zip(mapper.views()) {
         for cell in rest.by_ref().take(seen.points).flatten() {
             let Some(count) = counts.get_mut(cell.index()) else { continue };

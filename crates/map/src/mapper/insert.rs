@@ -55,7 +55,7 @@ impl Mapper {
         if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
             seen.end_view(last);
         }
-        self.views.push(View { points: 0, sensor: scan.sensor_position(), pose });
+        self.views.push(View { points: 0, absent: 0, out_of_range: 0, sensor: scan.sensor_position(), pose });
         self.take(scan)
     }
 
@@ -88,6 +88,8 @@ impl Mapper {
         };
         if let Some(view) = self.views.last_mut() {
             view.points += scan.len();
+            view.absent += taken.not_finite;
+            view.out_of_range += taken.refused;
         }
         Ok(Inserted {
             points: taken.points,
@@ -140,9 +142,10 @@ impl Mapper {
         Ok(all)
     }
 
-    /// Whether it will be asked from where the points of a scan, the last one, were seen: not if errors are stated, and no pose is wrong.
+    /// Whether it will be asked from where the points of a scan, the last one, were seen: where that is spared, not if errors are stated, and
+    /// no pose is wrong.
     pub(super) fn sightings_matter(&self, scan: &Scan) -> bool {
-        self.views.last().is_some_and(|view| view.pose.is_some()) || !states_errors(scan)
+        !self.spares || self.views.last().is_some_and(|view| view.pose.is_some()) || !states_errors(scan)
     }
 
     /// Room for what is kept of so many points of the last scan: as much as that is, where they are.

@@ -1,16 +1,24 @@
 //! The growing map: scans in.
 
 mod beside;
+mod builder;
 mod insert;
+mod merge;
+mod parts;
+mod view;
 
 use std::sync::OnceLock;
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
-use terrace_noise::PoseNoise;
 use terrace_regions::Samples;
 
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
+
+pub use builder::{MapBuilder, PartsError};
+pub use merge::MergeError;
+pub use parts::{MapCell, MapParts};
+pub use view::View;
 
 /// Gathers scans into a grid of statistics, from which planes are extracted. See the [crate page](crate).
 #[derive(Debug, Clone)]
@@ -27,6 +35,8 @@ pub struct Mapper {
     kept: Vec<Kept>,
     /// What each view saw of which cell, where points are not kept.
     seen: Option<Seen>,
+    /// Whether that is left out where covariances do not need it.
+    spares: bool,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
 }
@@ -48,15 +58,6 @@ pub(crate) struct Kept {
     pub(crate) places: Vec<[f32; 3]>,
     /// The number of the scan.
     pub(crate) view: usize,
-}
-
-/// The points of a scan and where they were seen from.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct View {
-    pub(crate) points: usize,
-    pub(crate) sensor: Option<[f64; 3]>,
-    /// How sure its pose is.
-    pub(crate) pose: Option<PoseNoise>,
 }
 
 /// What became of the points of a scan.
@@ -87,12 +88,13 @@ impl Mapper {
             samples: Samples::default(),
             kept: Vec::new(),
             seen: None,
+            spares: false,
             views: Vec::new(),
         })
     }
 
-    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and, where it matters from
-    /// where they were seen, with how many scans saw each. For scans that do not fit into memory, see [`Mapper::insert_more`] and
+    /// An empty map that forgets points once they are added: its memory grows with the cells that hold one, and with how many scans saw
+    /// each. For scans that do not fit into memory, see [`Mapper::insert_more`] and
     /// [`Mapper::extract_streamed`].
     ///
     /// # Errors
@@ -103,6 +105,14 @@ impl Mapper {
             return Err(StreamingError::NotByPlace);
         }
         Ok(Self { seen: Some(Seen::default()), ..Self::new(params)? })
+    }
+
+    /// Counts which scans saw a cell only where covariances need it: where errors are not stated, or a pose is uncertain. That takes
+    /// less memory. [`Mapper::extract`] cannot turn planes to the sensors then, only [`PointLabels`](crate::PointLabels) can, and the
+    /// map has no [parts](Self::parts) and cannot be [merged](Self::merge). For a map without scans.
+    #[must_use]
+    pub fn spare_sightings(self) -> Self {
+        Self { spares: true, ..self }
     }
 
     /// Changes how the next extractions search for φ; the points need not be inserted again.
@@ -209,9 +219,5 @@ impl Mapper {
             None => *cell,
             Some(coarse) => coarse.of.get((*cell)?.index()).copied(),
         })
-    }
-
-    pub(crate) fn views(&self) -> &[View] {
-        &self.views
     }
 }

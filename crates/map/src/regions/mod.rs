@@ -201,7 +201,7 @@ impl<'m> Grown<'m> {
             cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
             optimised: Vec::new(),
         };
-        Planes { map, joined: anew, labeller, places }
+        Planes { map, joined: anew, labeller, places, of_cells: owner.of }
     }
 }
 
@@ -212,6 +212,8 @@ struct Planes {
     joined: Option<Vec<Option<PlaneId>>>,
     labeller: Labeller,
     places: Places,
+    /// The plane of each cell of the grid.
+    of_cells: Vec<Option<PlaneId>>,
 }
 
 /// Labels points by their cells and places, and measures them by their regions. `number` is the plane of a region.

@@ -16,6 +16,8 @@ pub(crate) struct RegionLabels {
     places: Places,
     /// The plane of each region.
     numbers: Vec<Option<PlaneId>>,
+    /// The plane of each cell of the grid.
+    pub(crate) of_cells: Vec<Option<PlaneId>>,
     /// The points of each region that each view saw.
     by_view: Vec<Vec<Measure>>,
 }
@@ -30,10 +32,10 @@ impl Mapper {
         let grown = Grown::of(self, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let regions = grown.found.regions.len();
-        let Planes { map, joined, labeller, places } = grown.planes();
+        let Planes { map, joined, labeller, places, of_cells } = grown.planes();
         let numbers = joined.unwrap_or_else(|| (0..regions).map(PlaneId::from_index).collect());
         let by_view = vec![vec![Measure::default(); regions]; self.views().len()];
-        Ok((map, RegionLabels { labeller, places, numbers, by_view }))
+        Ok((map, RegionLabels { labeller, places, numbers, of_cells, by_view }))
     }
 }
 

@@ -13,6 +13,7 @@ mod incremental;
 mod motion;
 mod optimisation;
 mod params;
+mod parts;
 mod planes;
 mod regions;
 mod streaming;

@@ -36,13 +36,15 @@ impl<'s> Lone<'s> {
         let [source] = sources else { return None };
         let takes_cells = args.preset != Preset::Default
             || args.cell.is_some()
-            || args.tau.is_some()
-            || args.join.is_some()
-            || args.floor.is_some()
+            || args.method.tau.is_some()
+            || args.method.join.is_some()
+            || args.method.floor.is_some()
             || args.extent
             || !args.mesh.is_empty()
-            || args.about_clusters().is_some()
+            || args.method.about_clusters().is_some()
             || source.pose_noise.is_some();
+        #[cfg(feature = "parquet")]
+        let takes_cells = takes_cells || args.save_map.is_some();
         if takes_cells {
             return None;
         }
@@ -81,10 +83,10 @@ impl<'s> Lone<'s> {
         };
         let defaults = Settings::default();
         let settings = Settings {
-            tilt: args.max_tilt.unwrap_or(defaults.tilt),
-            reach: args.reach.unwrap_or(defaults.reach),
-            min_points: args.min_points,
-            min_area: args.min_area,
+            tilt: args.method.max_tilt.unwrap_or(defaults.tilt),
+            reach: args.method.reach.unwrap_or(defaults.reach),
+            min_points: args.method.min_points,
+            min_area: args.method.min_area,
             ..defaults
         };
         let mut finder = PlaneFinder::new(self.camera(options)?, noise, settings)?;
@@ -104,7 +106,7 @@ impl<'s> Lone<'s> {
         let mut parameters = parameters(&found, &settings);
         parameters.extend(inputs.parameters(args));
         let records =
-            (0..).zip(&found.planes).filter_map(|(at, plane)| record(at, plane, !args.no_covariance));
+            (0..).zip(&found.planes).filter_map(|(at, plane)| record(at, plane, !args.method.no_covariance));
         let summary = Summary {
             points: self.image.raw.len() as u64,
             labelled: found.planes.iter().map(|plane| plane.points).sum(),

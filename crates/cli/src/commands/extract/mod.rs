@@ -11,6 +11,8 @@ mod image;
 mod inputs;
 mod mesh_file;
 mod params;
+#[cfg(feature = "parquet")]
+mod saved_map;
 mod stages;
 mod summary;
 
@@ -33,11 +35,15 @@ pub use chunks::Reading;
 use extents::Extents;
 pub use first_pass::insert_all;
 use image::Lone;
-use inputs::Inputs;
 pub use inputs::{intrinsics, not_measured, read_options, sources};
 pub use mesh_file::MeshFile;
+#[cfg(feature = "parquet")]
+pub use params::change;
 use params::params;
+#[cfg(feature = "parquet")]
+pub use saved_map::save_map;
 pub use stages::extract_timed;
+pub use summary::{Told, print as print_summary};
 
 /// Runs on a pool of its own, so that `--threads` holds for everything.
 pub fn run(args: &ExtractArgs) -> Result<(), CliError> {
@@ -65,6 +71,10 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     if let Some(warning) = not_measured(inputs.not_measured()) {
         progress.warn(&warning);
     }
+    #[cfg(feature = "parquet")]
+    if let Some(file) = &args.save_map {
+        save_map(&mapper, file, &mut progress, &mut timings)?;
+    }
     let extract = |begins: &mut dyn FnMut(_)| mapper.extract_streamed(begins);
     let (mut map, mut labels) = extract_timed(extract, &mut progress, &mut timings)?;
 
@@ -87,7 +97,13 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     report::planes_file(&map, area, inputs.parameters(args), timings).write(&args.out.join("planes.json"))?;
     progress.finish();
     if !args.quiet {
-        summary::print(&map, extents.as_ref(), &inputs, args);
+        let used = inputs.used();
+        let mut written = vec![args.out.as_path()];
+        written.extend(args.mesh.iter().map(MeshFile::path));
+        #[cfg(feature = "parquet")]
+        written.extend(args.save_map.as_deref());
+        let from = format!("{used} of {} inputs used", used + inputs.skipped());
+        print_summary(&map, extents.as_ref(), &Told { from, errors_known: inputs.errors_known(), written });
     }
     Ok(())
 }
@@ -95,7 +111,23 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
 /// One that forgets points, where they can be told again by where they are.
 fn mapper(args: &ExtractArgs) -> Result<Mapper, CliError> {
     let params = params(args)?;
-    Ok(if params.by_place() { Mapper::streaming(params)? } else { Mapper::new(params)? })
+    #[cfg(feature = "parquet")]
+    if args.save_map.is_some() && !params.by_place() {
+        return Err(CliError::Usage(format!(
+            "--save-map: the cells of --preset {} depend on the order of points and do not add up to a map",
+            args.preset.name()
+        )));
+    }
+    if !params.by_place() {
+        return Ok(Mapper::new(params)?);
+    }
+    let mapper = Mapper::streaming(params)?;
+    #[cfg(feature = "parquet")]
+    if args.save_map.is_some() {
+        return Ok(mapper);
+    }
+    // Planes are turned to the sensors when points are labelled.
+    Ok(mapper.spare_sightings())
 }
 
 /// Labels all points into files that have no name yet, and tells what the planes span.

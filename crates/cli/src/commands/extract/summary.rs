@@ -1,40 +1,41 @@
 //! What `extract` prints at its end.
 
+use std::path::Path;
+
 use terrace::{ExtractedPlane, NoiseKnot, NoiseLevel, PlaneMap};
 
-use super::{Extents, Inputs, MeshFile};
-use crate::extract_args::ExtractArgs;
+use super::Extents;
 use crate::report::tilt_offset;
 
 /// Rows of the table.
 const ROWS: usize = 20;
 
+/// What the planes were found in, and where they are written.
+pub struct Told<'a> {
+    /// As in "3 of 3 inputs used".
+    pub from: String,
+    pub errors_known: bool,
+    pub written: Vec<&'a Path>,
+}
+
 /// Tells people what was found, and how sure it is.
-pub fn print(map: &PlaneMap, extents: Option<&Extents>, inputs: &Inputs, args: &ExtractArgs) {
+pub fn print(map: &PlaneMap, extents: Option<&Extents>, told: &Told) {
     let summary = map.summary();
     print!("{}", table(map, extents));
     println!(
-        "{} planes, {} of {} points labelled, {} of {} inputs used; cells of {:.4} m, tau {}",
-        summary.planes,
-        summary.labelled,
-        summary.points,
-        inputs.used(),
-        inputs.used() + inputs.skipped(),
-        map.used.cell_size,
-        map.used.tau,
+        "{} planes, {} of {} points labelled, {}; cells of {:.4} m, tau {}",
+        summary.planes, summary.labelled, summary.points, told.from, map.used.cell_size, map.used.tau,
     );
     match &map.noise {
         Some(noise) => println!("{}", found(noise)),
-        None if inputs.errors_known() => {}
+        None if told.errors_known => {}
         None => println!(
             "standard errors of the points are unknown (--sigma, --sensor){}: uncertainties rest on their scatter",
             // With the default preset they are looked for, so there was nothing to find them from.
             if map.used.params.estimate.is_some() { " and no flat place shows any" } else { "" },
         ),
     }
-    let files = args.mesh.iter().map(MeshFile::path);
-    let written: Vec<_> =
-        std::iter::once(args.out.as_path()).chain(files).map(|path| path.display().to_string()).collect();
+    let written: Vec<_> = told.written.iter().map(|path| path.display().to_string()).collect();
     println!("written to {}", written.join(", "));
 }
 

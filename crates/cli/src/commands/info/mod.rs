@@ -1,6 +1,11 @@
 //! `terrace info`: what files hold.
 
-use terrace_io::{Info, inspect};
+#[cfg(feature = "parquet")]
+mod map_info;
+
+use std::path::Path;
+
+use terrace_io::{Info, ReadOptions, inspect};
 
 use crate::args::{InfoArgs, ReadArgs};
 use crate::commands::extract::read_options;
@@ -11,15 +16,23 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     let options = read_options(&args.read)?;
     let mut last = None;
     for path in &args.files {
-        match inspect(path, &options) {
-            Ok(info) => print!("{}\n{}", path.display(), text(&info, &args.read)),
+        match told(path, &options, &args.read) {
+            Ok(text) => print!("{}\n{text}", path.display()),
             Err(error) => {
                 eprintln!("terrace: {error}");
                 last = Some(error);
             }
         }
     }
-    last.map_or(Ok(()), |error| Err(error.into()))
+    last.map_or(Ok(()), Err)
+}
+
+fn told(path: &Path, options: &ReadOptions, args: &ReadArgs) -> Result<String, CliError> {
+    #[cfg(feature = "parquet")]
+    if terrace_checkpoint::is_parquet(path) {
+        return map_info::told(path);
+    }
+    Ok(text(&inspect(path, options)?, args))
 }
 
 fn text(info: &Info, args: &ReadArgs) -> String {
@@ -54,5 +67,9 @@ fn text(info: &Info, args: &ReadArgs) -> String {
         let [x, y, z] = pose.translation();
         lines.push(("viewpoint", format!("{x:.4} {y:.4} {z:.4} m")));
     }
+    aligned(lines)
+}
+
+fn aligned(lines: Vec<(&str, String)>) -> String {
     lines.into_iter().map(|(name, value)| format!("  {name:<10} {value}\n")).collect()
 }
