@@ -215,6 +215,9 @@ fn told(file: &PlanesFile, args: &ExtractArgs, seconds: f64) -> String {
     if file.planes.len() > ROWS {
         text += &format!("  ... and {} more in planes.json\n", file.planes.len() - ROWS);
     }
+    if file.parameters.get("errors").is_none_or(Value::is_null) {
+        text += "standard errors of the depths are not given (--sigma, --sensor); found from how flat tiles scatter\n";
+    }
     let (labelled, points) =
         file.summary.as_ref().map_or((0, 0), |summary| (summary.labelled, summary.points));
     text += &format!(
