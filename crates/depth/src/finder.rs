@@ -153,7 +153,6 @@ impl PlaneFinder {
         for (label, region) in (1..).zip(&regions) {
             region.tiles.iter().for_each(|tile| owners[*tile as usize] = label);
         }
-        labels.clear();
         labels.resize(raw.len(), 0);
         let of_image = |candidates: &[Option<Candidate>], labels: &mut [u32]| {
             let told =
@@ -182,16 +181,16 @@ impl PlaneFinder {
             .collect();
         order.sort_by_key(|at| std::cmp::Reverse(counts[*at].points));
         let mut numbers: Vec<Option<PlaneId>> = vec![None; regions.len() + 1];
-        let planes = order
-            .iter()
-            .enumerate()
-            .filter_map(|(new, old)| {
-                let id = PlaneId::from_index(new)?;
-                numbers[old + 1] = Some(id);
-                let label = u32::try_from(old + 1).ok()?;
-                DepthPlane::of((label, &regions[*old]), image, owners, &looks[*old], &counts[*old], noise)
-            })
-            .collect();
+        let mut planes = Vec::with_capacity(order.len());
+        for at in order {
+            let Ok(label) = u32::try_from(at + 1) else { continue };
+            let plane = DepthPlane::of((label, &regions[at]), image, owners, &looks[at], &counts[at], noise);
+            // What turns out to be none has no number: labels tell of planes that are there.
+            if let Some(plane) = plane {
+                numbers[at + 1] = PlaneId::from_index(planes.len());
+                planes.push(plane);
+            }
+        }
         Ok(DepthPlanes {
             planes,
             labels: labels.iter().map(|label| numbers[*label as usize]).collect(),

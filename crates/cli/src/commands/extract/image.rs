@@ -1,5 +1,8 @@
 //! A single depth image: its planes by tiles of pixels, without a map.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
@@ -19,7 +22,7 @@ use crate::picture::{TwoSides, write_png};
 use crate::progress::Progress;
 
 /// Bytes that tell a depth image.
-const HEAD: usize = 26;
+const HEAD: u64 = 26;
 /// Rows of the table.
 const ROWS: usize = 20;
 
@@ -49,9 +52,7 @@ impl<'s> Lone<'s> {
             return None;
         }
         // What cannot be read is told by the way that reads everything.
-        let bytes = std::fs::read(&source.path).ok()?;
-        let is_one = DepthImage::is_depth_png(bytes.get(..HEAD)?);
-        let image = if is_one { DepthImage::read(&bytes).ok()? } else { return None };
+        let image = DepthImage::read(&depth_png(&source.path)?).ok()?;
         Some(Self { source, image, intrinsics: options.intrinsics? })
     }
 
@@ -160,6 +161,18 @@ impl<'s> Lone<'s> {
         }
         written.finish()
     }
+}
+
+/// The bytes of a file whose first ones are those of a depth image: others may be larger than memory.
+fn depth_png(path: &Path) -> Option<Vec<u8>> {
+    let mut file = File::open(path).ok()?;
+    let mut bytes = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut bytes).ok()?;
+    if !DepthImage::is_depth_png(&bytes) {
+        return None;
+    }
+    file.read_to_end(&mut bytes).ok()?;
+    Some(bytes)
 }
 
 fn parameters(found: &DepthPlanes, settings: &Settings) -> Map<String, Value> {
