@@ -23,6 +23,9 @@ pub(crate) const RECENT: usize = 8;
 pub(crate) struct BlockKey([i32; 3]);
 
 impl BlockKey {
+    /// That of no block.
+    pub(crate) const NOWHERE: Self = Self([i32::MAX; 3]);
+
     /// The block of a voxel.
     #[inline]
     pub(crate) fn of(key: VoxelKey) -> Self {
@@ -32,8 +35,8 @@ impl BlockKey {
     /// Where it is remembered: not where any of the blocks are that share a face, an edge or a corner with it.
     #[inline]
     pub(crate) fn recent(self) -> usize {
-        let [x, y, z] = self.0.map(|k| k.cast_unsigned() as usize & 1);
-        x | y << 1 | z << 2
+        let [x, y, z] = self.0.map(|k| k.cast_unsigned() & 1);
+        (x | y << 1 | z << 2) as usize
     }
 
     /// The same for every grid and every run.
@@ -61,6 +64,6 @@ pub(crate) fn part_of(hash: u64) -> usize {
 /// The place of a voxel in its block.
 #[inline]
 pub(crate) fn place_of(key: VoxelKey) -> usize {
-    let [x, y, z] = key.map(|k| k.cast_unsigned() as usize % (1 << BITS));
-    (x << BITS | y) << BITS | z
+    let [x, y, z] = key.map(|k| k.cast_unsigned() % (1 << BITS));
+    ((x << BITS | y) << BITS | z) as usize
 }

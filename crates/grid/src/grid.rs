@@ -3,7 +3,7 @@
 use terrace_stats::Moments;
 
 use crate::block::{BlockKey, PARTS, RECENT, part_of, place_of};
-use crate::bulk::Scratch;
+use crate::bulk::{Scratch, unit_of};
 use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
 use crate::key::Lattice;
@@ -23,7 +23,7 @@ pub struct VoxelGrid {
     /// Where each cell is kept, by its identity.
     pub(crate) homes: Vec<Home>,
     /// Blocks of the last points, by [`BlockKey::recent`]: scans come in order, and a surface in the face of a block is on both sides.
-    last: [Option<(BlockKey, u32, u32)>; RECENT],
+    last: [Met; RECENT],
     pub(crate) scratch: Scratch,
 }
 
@@ -32,6 +32,18 @@ pub struct VoxelGrid {
 pub(crate) struct Home {
     pub(crate) part: u32,
     pub(crate) slot: u32,
+}
+
+/// A block that was met: its part, and its number there.
+#[derive(Debug, Clone, Copy)]
+struct Met {
+    key: BlockKey,
+    part: u32,
+    block: u32,
+}
+
+impl Met {
+    const NONE: Self = Self { key: BlockKey::NOWHERE, part: 0, block: 0 };
 }
 
 /// A number that rises with keys, and is faster to compare.
@@ -67,7 +79,7 @@ impl VoxelGrid {
             assignment,
             parts: vec![Part::default(); PARTS],
             homes: Vec::new(),
-            last: [None; RECENT],
+            last: [Met::NONE; RECENT],
             scratch: Scratch::default(),
         }
     }
@@ -75,6 +87,12 @@ impl VoxelGrid {
     /// Edge of a cell in metres.
     pub fn cell_size(&self) -> f64 {
         self.lattice.size
+    }
+
+    /// What [places](Self::insert_all) of points are whole multiples of, in metres: a power of two, between 2⁻¹⁵ and 2⁻¹⁴ of a cell.
+    /// By voxel they fit into 16 bits.
+    pub fn place_unit(&self) -> f64 {
+        unit_of(self.lattice.size).0
     }
 
     /// The rule by which points are added.
@@ -96,7 +114,7 @@ impl VoxelGrid {
     pub fn find(&self, key: VoxelKey) -> Option<Cell<'_>> {
         let Home { part, slot } = self.home_of(key)?;
         let part = &self.parts[part as usize];
-        Some(Cell::new(part.ids[slot as usize], &part.slots[slot as usize], self.lattice))
+        Some(Cell::new(part.ids[slot as usize], &part.slots[slot], self.lattice))
     }
 
     /// The cell of this identity; `None` for an identity from another, larger grid.
@@ -188,17 +206,17 @@ impl VoxelGrid {
 
     #[inline]
     fn cell(&self, id: CellId, home: Home) -> Cell<'_> {
-        Cell::new(id, &self.parts[home.part as usize].slots[home.slot as usize], self.lattice)
+        Cell::new(id, &self.parts[home.part as usize].slots[home.slot], self.lattice)
     }
 
     #[inline]
     pub(crate) fn moments(&self, home: Home) -> &Moments {
-        &self.parts[home.part as usize].slots[home.slot as usize].moments
+        &self.parts[home.part as usize].slots[home.slot].moments
     }
 
     #[inline]
     pub(crate) fn moments_mut(&mut self, home: Home) -> &mut Moments {
-        &mut self.parts[home.part as usize].slots[home.slot as usize].moments
+        &mut self.parts[home.part as usize].slots[home.slot].moments
     }
 
     #[inline]
@@ -209,16 +227,15 @@ impl VoxelGrid {
     /// The part of a block that has a cell, and its number there.
     #[inline]
     pub(crate) fn block_of(&self, key: BlockKey) -> Option<(u32, u32)> {
-        match self.last[key.recent()] {
-            Some((last, part, block)) if last == key => Some((part, block)),
-            _ => {
-                let hash = key.hash();
-                let part = part_of(hash);
-                // There are few parts.
-                #[allow(clippy::cast_possible_truncation)]
-                Some((part as u32, self.parts[part].block(key, hash)?))
-            }
+        let last = self.last[key.recent()];
+        if last.key == key {
+            return Some((last.part, last.block));
         }
+        let hash = key.hash();
+        let part = part_of(hash);
+        // There are few parts.
+        #[allow(clippy::cast_possible_truncation)]
+        Some((part as u32, self.parts[part].block(key, hash)?))
     }
 
     /// Where the cell of this voxel is kept, if there is one.
@@ -232,14 +249,22 @@ impl VoxelGrid {
     /// Where the cell of this voxel is kept, and whether it was founded for this.
     #[inline]
     pub(crate) fn home_or_new(&mut self, key: VoxelKey) -> Result<(Home, bool), GridError> {
-        let block_key = BlockKey::of(key);
-        if let Some((last, part, block)) = self.last[block_key.recent()]
-            && last == block_key
-            && let Some(slot) = self.parts[part as usize].slot(block, place_of(key))
-        {
-            return Ok((Home { part, slot }, false));
+        let block = BlockKey::of(key);
+        match self.met(block, block.recent(), place_of(key)) {
+            Some(home) => Ok((home, false)),
+            None => self.looked_up_or_new(key, block),
         }
-        self.looked_up_or_new(key, block_key)
+    }
+
+    /// Where the cell at a place in a block is kept, if it is a block that was met just before. `recent` is where it is remembered.
+    #[inline]
+    pub(crate) fn met(&self, block: BlockKey, recent: usize, place: usize) -> Option<Home> {
+        let last = &self.last[recent % RECENT];
+        if last.key != block {
+            return None;
+        }
+        let slot = self.parts[last.part as usize].slot(last.block, place)?;
+        Some(Home { part: last.part, slot })
     }
 
     /// The same, for a block or a cell that was not met just before.
@@ -256,7 +281,7 @@ impl VoxelGrid {
             }
             None => return Err(GridError::Full { cells: self.homes.len() }),
         };
-        self.last[block_key.recent()] = Some((block_key, part, block));
+        self.last[block_key.recent()] = Met { key: block_key, part, block };
         let place = place_of(key);
         if let Some(slot) = self.parts[part as usize].slot(block, place) {
             return Ok((Home { part, slot }, false));

@@ -51,6 +51,7 @@ mod insert;
 mod key;
 mod neighbourhood;
 mod part;
+mod slots;
 
 pub use assignment::Assignment;
 pub use bulk::{PointErrors, Taken};

@@ -6,6 +6,7 @@ use terrace_stats::Moments;
 use crate::VoxelKey;
 use crate::block::{BlockKey, VOXELS};
 use crate::cell::{CellId, Slot};
+use crate::slots::Slots;
 
 /// The cells of some blocks.
 #[derive(Debug, Clone, Default)]
@@ -13,7 +14,7 @@ pub(crate) struct Part {
     blocks: HashTable<(BlockKey, u32)>,
     /// For each voxel of each block one more than the number of its slot, or 0.
     tables: Vec<[u32; VOXELS]>,
-    pub(crate) slots: Vec<Slot>,
+    pub(crate) slots: Slots,
     /// Beside the slots: who they are in the grid. Those founded by a bulk insertion are told at its end.
     pub(crate) ids: Vec<CellId>,
 }
@@ -44,12 +45,12 @@ impl Part {
     /// The slot of a voxel of a block.
     #[inline]
     pub(crate) fn slot(&self, block: u32, place: usize) -> Option<u32> {
-        self.tables[block as usize][place].checked_sub(1)
+        self.tables[block as usize][place % VOXELS].checked_sub(1)
     }
 
     /// Its cells in the order in which they were founded.
     pub(crate) fn cells(&self) -> impl Iterator<Item = (CellId, &Slot)> {
-        self.ids.iter().copied().zip(&self.slots)
+        self.ids.iter().copied().zip(self.slots.iter())
     }
 
     /// A slot for a voxel that has none. The caller tells who it is.

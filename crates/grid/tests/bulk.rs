@@ -41,10 +41,11 @@ impl Owned {
     }
 }
 
-/// To the power of two below 2⁻²² of an edge: without the bits that single precision has no room for.
-fn rounded(x: f64, size: f64) -> f32 {
-    let unit = size.log2().floor().exp2() * (-22_f64).exp2();
-    ((x / unit).round_ties_even() * unit) as f32
+/// To the power of two below 2⁻¹⁴ of an edge: to 16 bits, where points are in the voxel of their cell. No zero is negative.
+fn rounded(x: f64, size: f64, rule: Assignment) -> f32 {
+    let most = if rule == Assignment::Voxel { f64::from(i16::MAX) } else { f64::INFINITY };
+    let unit = size.log2().floor().exp2() * (-14_f64).exp2();
+    ((x / unit).round_ties_even().min(most) * unit + 0.0) as f32
 }
 
 /// All that comes of an insertion.
@@ -91,11 +92,9 @@ fn one_by_one(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned) 
             }
         }
         let centre = cell.ok().and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
-        places.push(
-            centre.map_or([0.0; 3], |centre| {
-                [0, 1, 2].map(|i| rounded(point[i] - centre[i], grid.cell_size()))
-            }),
-        );
+        places.push(centre.map_or([0.0; 3], |centre| {
+            [0, 1, 2].map(|i| rounded(point[i] - centre[i], grid.cell_size(), rule))
+        }));
         cells.push(cell.ok());
     }
     Outcome { cells, places, taken, sums: sums(&grid) }
@@ -303,7 +302,7 @@ proptest! {
         for (point, (cell, place)) in points.iter().zip(found.iter().zip(&found_places)) {
             let Some(cell) = cell.and_then(|cell| grid.get(cell)) else { continue };
             let anchor = cell.anchor();
-            prop_assert!((0..3).all(|i| rounded(point[i] - anchor[i], grid.cell_size()).to_bits() == place[i].to_bits()));
+            prop_assert!((0..3).all(|i| rounded(point[i] - anchor[i], grid.cell_size(), Assignment::Voxel).to_bits() == place[i].to_bits()));
         }
     }
 

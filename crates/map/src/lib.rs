@@ -74,6 +74,7 @@ mod first;
 mod mapper;
 mod nodes;
 mod optimise;
+mod packed;
 mod params;
 mod plane_map;
 mod point_labels;

@@ -1,8 +1,13 @@
 //! Points of a scan in the world.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use terrace_grid::PointErrors;
-use terrace_types::{Frame, Scan, Sigma};
+use terrace_types::{Frame, Pose, Scan, Sigma};
+
+/// Points that are handed to a thread at once.
+const AT_ONCE: usize = 1 << 13;
 
 /// Some points of a scan in the world, with their errors there.
 #[derive(Debug, Default)]
@@ -12,41 +17,53 @@ pub(crate) struct World {
     covariances: Vec<[f64; 6]>,
 }
 
+/// Points from the sensor to the world.
+struct Transform<'a> {
+    pose: &'a Pose,
+    from: &'a [[f64; 3]],
+    to: &'a mut [[f64; 3]],
+}
+
+impl pulp::WithSimd for Transform<'_> {
+    type Output = ();
+
+    // Into what it is dispatched to: the same instructions, for several points at a time where the processor can.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (to, from) in self.to.iter_mut().zip(self.from) {
+            *to = self.pose.transform(*from);
+        }
+    }
+}
+
 impl World {
     pub(crate) fn part<'s>(
         &'s mut self,
         scan: &'s Scan,
-        range: std::ops::Range<usize>,
+        range: Range<usize>,
     ) -> (&'s [[f64; 3]], PointErrors<'s>) {
+        self.make(scan, range.clone());
+        self.made(scan, range)
+    }
+
+    /// Takes points of a scan into the world, if they are not there.
+    pub(crate) fn make(&mut self, scan: &Scan, range: Range<usize>) {
+        let Frame::Sensor { pose } = scan.frame() else { return };
         let points = &scan.points()[range.clone()];
-        let Frame::Sensor { pose } = scan.frame() else {
-            let errors = match scan.sigma() {
-                Sigma::Unknown => PointErrors::None,
-                Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
-                Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
-                Sigma::PerAxis(all) => PointErrors::Axes(&all[range]),
-                Sigma::Covariance(all) => PointErrors::Covariances(&all[range]),
-            };
-            return (points, errors);
-        };
-        points
-            .par_iter()
-            .with_min_len(1 << 13)
-            .map(|point| pose.transform(*point))
-            .collect_into_vec(&mut self.points);
-        // An error that is the same along every axis is the same in every frame.
-        let errors = match scan.sigma() {
-            Sigma::Unknown => PointErrors::None,
-            Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
-            Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
+        self.points.resize(points.len(), [0.0; 3]);
+        let parts = points.par_chunks(AT_ONCE).zip(self.points.par_chunks_mut(AT_ONCE));
+        parts.for_each(|(from, to)| pulp::Arch::new().dispatch(Transform { pose: &pose, from, to }));
+        match scan.sigma() {
+            // An error that is the same along every axis is the same in every frame.
+            Sigma::Unknown | Sigma::Uniform(_) | Sigma::PerPoint(_) => {}
             Sigma::PerAxis(all) => {
                 let turned =
-                    all[range].par_iter().with_min_len(1 << 13).map(|sigma| pose.rotate_sigma(*sigma));
+                    all[range].par_iter().with_min_len(AT_ONCE).map(|sigma| pose.rotate_sigma(*sigma));
                 turned.collect_into_vec(&mut self.axes);
-                PointErrors::Axes(&self.axes)
             }
             Sigma::Covariance(all) => {
-                let turned = all[range].par_iter().with_min_len(1 << 13).map(|covariance| {
+                let turned = all[range].par_iter().with_min_len(AT_ONCE).map(|covariance| {
                     let mut turned = pose.rotate_covariance(*covariance);
                     for diagonal in [0, 3, 5] {
                         // Rounding may leave a variance of zero a little below it.
@@ -55,9 +72,26 @@ impl World {
                     turned
                 });
                 turned.collect_into_vec(&mut self.covariances);
-                PointErrors::Covariances(&self.covariances)
             }
+        }
+    }
+
+    /// What was [made](Self::make) of the same points last.
+    pub(crate) fn made<'s>(
+        &'s self,
+        scan: &'s Scan,
+        range: Range<usize>,
+    ) -> (&'s [[f64; 3]], PointErrors<'s>) {
+        let is_there = matches!(scan.frame(), Frame::World { .. });
+        let errors = match scan.sigma() {
+            Sigma::Unknown => PointErrors::None,
+            Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
+            Sigma::PerPoint(all) => PointErrors::Each(&all[range.clone()]),
+            Sigma::PerAxis(all) if is_there => PointErrors::Axes(&all[range.clone()]),
+            Sigma::PerAxis(_) => PointErrors::Axes(&self.axes),
+            Sigma::Covariance(all) if is_there => PointErrors::Covariances(&all[range.clone()]),
+            Sigma::Covariance(_) => PointErrors::Covariances(&self.covariances),
         };
-        (&self.points, errors)
+        (if is_there { &scan.points()[range] } else { &self.points }, errors)
     }
 }

@@ -10,7 +10,7 @@ const MOST: usize = 16;
 const MOST_HALVINGS: u8 = 31;
 const STRIPES: usize = 8;
 /// Cells of a stripe whose places are in a row.
-const PAGE: usize = 128;
+const PAGE: usize = 64;
 /// Points whose places are scrambled at once.
 const BATCH: usize = 128;
 
@@ -38,11 +38,15 @@ pub struct Samples {
     stripes: [Stripe; STRIPES],
 }
 
+/// Page by page, so that none is moved when more cells come.
 #[derive(Debug, Clone, Default)]
-struct Stripe {
-    cells: Vec<Kept>,
-    /// Page by page, so that none is moved when more cells come.
-    places: Vec<Vec<Places>>,
+struct Stripe(Vec<Box<Page>>);
+
+/// The samples of cells in a row.
+#[derive(Debug, Clone)]
+struct Page {
+    cells: [Kept; PAGE],
+    places: [Places; PAGE],
 }
 
 /// One more than are kept: a place is written first, and counted when it stays.
@@ -92,7 +96,7 @@ impl Samples {
     /// How often the sample of a cell was halved: it has those of its points whose scrambled places are below 2³²⁻ʰ.
     pub fn halvings(&self, cell: u32) -> u8 {
         let (stripe, at) = home(cell);
-        self.stripes[stripe].cells.get(at).map_or(0, |kept| kept.halvings)
+        self.stripes[stripe].get(at).map_or(0, |(kept, _)| kept.halvings)
     }
 
     /// Puts a sample that was taken elsewhere in the place of that of a cell: what [`of`](Self::of) and
@@ -114,31 +118,27 @@ impl Samples {
             return Err(SampleError::Place { place: *place, halvings });
         }
         let (stripe, at) = home(cell);
-        let stripe = &mut self.stripes[stripe];
-        stripe.reach(at);
+        let (kept, room) = self.stripes[stripe].get_or_new(at);
         // At most sixteen.
         #[allow(clippy::cast_possible_truncation)]
         let count = places.len() as u8;
-        stripe.cells[at] = Kept { count, halvings, threshold };
-        stripe.places[at / PAGE][at % PAGE][..places.len()].copy_from_slice(places);
+        *kept = Kept { count, halvings, threshold };
+        room[..places.len()].copy_from_slice(places);
         Ok(())
     }
 
     /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
     pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
         let (from, there) = home(of);
-        let Some(theirs) = other.stripes[from].cells.get(there) else { return };
+        let Some((theirs, _)) = other.stripes[from].get(there) else { return };
         for place in other.of(of) {
             self.push(cell, *place);
         }
         // What the others left out is left out of the whole.
         let (stripe, at) = home(cell);
-        let Stripe { cells, places } = &mut self.stripes[stripe];
-        let places = places.get_mut(at / PAGE).and_then(|page| page.get_mut(at % PAGE));
-        if let (Some(kept), Some(places)) = (cells.get_mut(at), places) {
-            while kept.halvings < theirs.halvings {
-                kept.halve(places);
-            }
+        let (kept, places) = self.stripes[stripe].get_or_new(at);
+        while kept.halvings < theirs.halvings {
+            kept.halve(places);
         }
     }
 }
@@ -165,21 +165,28 @@ fn push_to(stripes: &mut [Stripe], first: usize, cells: &impl Fn(usize) -> Optio
 }
 
 impl Stripe {
-    /// Makes room for a cell.
     #[inline]
-    fn reach(&mut self, at: usize) {
-        if at >= self.cells.len() {
-            self.cells.resize(at + 1, Kept::NONE);
-            while self.places.len() * PAGE <= at {
-                self.places.push(vec![[[0.0; 3]; MOST + 1]; PAGE]);
-            }
+    fn get(&self, at: usize) -> Option<(&Kept, &Places)> {
+        self.0.get(at / PAGE).map(|page| (&page.cells[at % PAGE], &page.places[at % PAGE]))
+    }
+
+    #[inline]
+    fn get_or_new(&mut self, at: usize) -> (&mut Kept, &mut Places) {
+        if at / PAGE >= self.0.len() {
+            self.reach(at / PAGE);
         }
+        let page = &mut *self.0[at / PAGE];
+        (&mut page.cells[at % PAGE], &mut page.places[at % PAGE])
+    }
+
+    #[cold]
+    fn reach(&mut self, page: usize) {
+        self.0.resize_with(page + 1, || Box::new(Page::EMPTY));
     }
 
     #[inline]
     fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
-        self.reach(at);
-        let (kept, places) = (&mut self.cells[at], &mut self.places[at / PAGE][at % PAGE]);
+        let (kept, places) = self.get_or_new(at);
         // Whether a place stays cannot be predicted while a cell fills: there is no branch.
         if let Some(free) = places.get_mut(usize::from(kept.count)) {
             *free = place;
@@ -191,13 +198,12 @@ impl Stripe {
     }
 
     fn of(&self, at: usize) -> &[[f32; 3]] {
-        match (self.places.get(at / PAGE), self.cells.get(at)) {
-            (Some(page), Some(kept)) => {
-                page.get(at % PAGE).and_then(|places| places.get(..usize::from(kept.count))).unwrap_or(&[])
-            }
-            _ => &[],
-        }
+        self.get(at).and_then(|(kept, places)| places.get(..usize::from(kept.count))).unwrap_or(&[])
     }
+}
+
+impl Page {
+    const EMPTY: Self = Self { cells: [Kept::NONE; PAGE], places: [[[0.0; 3]; MOST + 1]; PAGE] };
 }
 
 impl Kept {

@@ -20,11 +20,13 @@ impl SymmetricMatrix3 {
     pub const ZERO: Self = Self([0.0; 6]);
 
     /// The matrix with these entries on its diagonal.
+    #[inline]
     pub const fn diagonal([x, y, z]: [f64; 3]) -> Self {
         Self([x, 0.0, 0.0, y, 0.0, z])
     }
 
     /// `v vᵀ`.
+    #[inline]
     pub fn outer([x, y, z]: [f64; 3]) -> Self {
         Self([x * x, x * y, x * z, y * y, y * z, z * z])
     }

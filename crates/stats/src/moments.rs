@@ -16,21 +16,15 @@ use crate::{SymmetricMatrix3, UncertainVector};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moments {
     count: u64,
-    weight: f64,
-    sum: [f64; 3],
-    second: SymmetricMatrix3,
-    noise: SymmetricMatrix3,
+    /// Weight, sum, second and noise in a row: a vector is added with a few instructions for several numbers each.
+    sums: [f64; SUMS],
 }
+
+const SUMS: usize = 16;
 
 impl Moments {
     /// No vector yet.
-    pub const EMPTY: Self = Self {
-        count: 0,
-        weight: 0.0,
-        sum: [0.0; 3],
-        second: SymmetricMatrix3::ZERO,
-        noise: SymmetricMatrix3::ZERO,
-    };
+    pub const EMPTY: Self = Self { count: 0, sums: [0.0; SUMS] };
 
     /// Sums that were taken elsewhere, of `count` vectors with weight 1: `Σ p`, `Σ p pᵀ` and the sum of the covariances of their
     /// errors.
@@ -41,7 +35,17 @@ impl Moments {
         second: SymmetricMatrix3,
         noise: SymmetricMatrix3,
     ) -> Self {
-        Self { count, weight: count as f64, sum, second, noise }
+        Self::of(count, count as f64, sum, second, noise)
+    }
+
+    const fn of(
+        count: u64,
+        weight: f64,
+        [x, y, z]: [f64; 3],
+        SymmetricMatrix3([xx, xy, xz, yy, yz, zz]): SymmetricMatrix3,
+        SymmetricMatrix3([a, b, c, d, e, f]): SymmetricMatrix3,
+    ) -> Self {
+        Self { count, sums: [weight, x, y, z, xx, xy, xz, yy, yz, zz, a, b, c, d, e, f] }
     }
 
     /// Adds a vector with weight 1.
@@ -53,70 +57,38 @@ impl Moments {
     /// Adds vectors one after the other, each as [`push_independent`](Self::push_independent) does: the sums stay in registers.
     #[inline]
     pub fn extend_independent(&mut self, vectors: impl Iterator<Item = ([f64; 3], [f64; 3])>) {
-        let (mut count, mut sum, mut second) = (0_u64, self.sum, self.second.0);
-        let [mut a, xy, xz, mut b, yz, mut c] = self.noise.0;
-        for ([x, y, z], [va, vb, vc]) in vectors {
-            count += 1;
-            for (sum, value) in sum.iter_mut().zip([x, y, z]) {
-                *sum += value;
-            }
-            for (sum, product) in second.iter_mut().zip([x * x, x * y, x * z, y * y, y * z, z * z]) {
-                *sum += product;
-            }
-            (a, b, c) = (a + va, b + vb, c + vc);
-        }
-        self.count = self.count.saturating_add(count);
-        self.weight += count as f64;
-        (self.sum, self.second) = (sum, SymmetricMatrix3(second));
-        self.noise = SymmetricMatrix3([a, xy, xz, b, yz, c]);
+        let mut all = *self;
+        vectors.for_each(|(value, variances)| all.push_independent(value, variances));
+        *self = all;
     }
 
     /// Adds a vector with weight 1 whose error has any covariance: that of a measurement along a ray, say.
     #[inline]
     pub fn push_covariant(&mut self, value: [f64; 3], covariance: &SymmetricMatrix3) {
-        self.count = self.count.saturating_add(1);
-        self.weight += 1.0;
-        self.second += SymmetricMatrix3::outer(value);
-        self.noise += *covariance;
-        for i in 0..3 {
-            self.sum[i] += value[i];
-        }
+        self.merge(&Self::of(1, 1.0, value, SymmetricMatrix3::outer(value), *covariance));
     }
 
     /// Adds a vector with weight 1 whose errors along the axes are independent and have these variances.
     #[inline]
     pub fn push_independent(&mut self, value: [f64; 3], variances: [f64; 3]) {
-        self.count = self.count.saturating_add(1);
-        self.weight += 1.0;
-        self.second += SymmetricMatrix3::outer(value);
-        self.noise += SymmetricMatrix3::diagonal(variances);
-        for i in 0..3 {
-            self.sum[i] += value[i];
-        }
+        self.push_covariant(value, &SymmetricMatrix3::diagonal(variances));
     }
 
     /// Adds a vector with a weight, which should be positive.
     #[inline]
     pub fn push_weighted(&mut self, v: &UncertainVector, weight: f64) {
-        self.count = self.count.saturating_add(1);
-        self.weight += weight;
-        self.second += SymmetricMatrix3::outer(v.value) * weight;
         let errors = v.error.map(|error| weight * error);
-        self.noise += SymmetricMatrix3::diagonal(errors.map(|error| error * error));
-        for i in 0..3 {
-            self.sum[i] += weight * v.value[i];
-        }
+        let noise = SymmetricMatrix3::diagonal(errors.map(|error| error * error));
+        let second = SymmetricMatrix3::outer(v.value) * weight;
+        self.merge(&Self::of(1, weight, v.value.map(|value| weight * value), second, noise));
     }
 
     /// Adds the sums of other vectors, given in the same coordinates.
     #[inline]
     pub fn merge(&mut self, other: &Self) {
         self.count = self.count.saturating_add(other.count);
-        self.weight += other.weight;
-        self.second += other.second;
-        self.noise += other.noise;
-        for i in 0..3 {
-            self.sum[i] += other.sum[i];
+        for (sum, more) in self.sums.iter_mut().zip(&other.sums) {
+            *sum += more;
         }
     }
 
@@ -124,63 +96,68 @@ impl Moments {
     #[must_use]
     #[inline]
     pub fn translated(&self, t: [f64; 3]) -> Self {
-        Self {
-            sum: [0, 1, 2].map(|i| self.sum[i] + self.weight * t[i]),
-            second: self.second
-                + SymmetricMatrix3::symmetric_product(self.sum, t)
-                + SymmetricMatrix3::outer(t) * self.weight,
-            ..*self
-        }
+        let (weight, sum) = (self.weight(), self.sum());
+        let second =
+            self.second() + SymmetricMatrix3::symmetric_product(sum, t) + SymmetricMatrix3::outer(t) * weight;
+        Self::of(self.count, weight, [0, 1, 2].map(|i| sum[i] + weight * t[i]), second, self.noise())
     }
 
     /// The same vectors with this as the sum of their errors' covariances: for errors that were found out later.
     #[must_use]
     pub fn with_noise(&self, noise: SymmetricMatrix3) -> Self {
-        Self { noise, ..*self }
+        Self::of(self.count, self.weight(), self.sum(), self.second(), noise)
     }
 
     /// Number of vectors: the density of a cell.
+    #[inline]
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// Sum of the weights; the count when all weights are 1.
+    #[inline]
     pub fn weight(&self) -> f64 {
-        self.weight
+        self.sums[0]
     }
 
     /// `L = Σ w p`.
+    #[inline]
     pub fn sum(&self) -> [f64; 3] {
-        self.sum
+        let [_, x, y, z, ..] = self.sums;
+        [x, y, z]
     }
 
     /// `S = Σ w p pᵀ`.
+    #[inline]
     pub fn second(&self) -> SymmetricMatrix3 {
-        self.second
+        let [_, _, _, _, xx, xy, xz, yy, yz, zz, ..] = self.sums;
+        SymmetricMatrix3([xx, xy, xz, yy, yz, zz])
     }
 
     /// `Σ w² C`: the covariance of the weighted sum of the vectors, their errors being independent.
+    #[inline]
     pub fn noise(&self) -> SymmetricMatrix3 {
-        self.noise
+        let [.., xx, xy, xz, yy, yz, zz] = self.sums;
+        SymmetricMatrix3([xx, xy, xz, yy, yz, zz])
     }
 
     /// `E = Σ w² ε²`, per axis: the diagonal of [`noise`](Self::noise).
     #[inline]
     pub fn error(&self) -> [f64; 3] {
-        self.noise.diagonal_entries()
+        self.noise().diagonal_entries()
     }
 
     /// The mean `L / W`: the expectation of the virtual centre, Eq. (1). `None` without weight.
     #[inline]
     pub fn mean(&self) -> Option<[f64; 3]> {
-        (self.weight > 0.0).then(|| self.sum.map(|s| s / self.weight))
+        (self.weight() > 0.0).then(|| self.sum().map(|s| s / self.weight()))
     }
 
     /// The scatter of the vectors about their mean, `S/W − m mᵀ`: the covariance of the set itself, divided by its
     /// weight and not by one less. Not negative on the diagonal. `None` without weight.
     pub fn covariance(&self) -> Option<SymmetricMatrix3> {
         let mean = self.mean()?;
-        let mut c = self.second * (1.0 / self.weight) + SymmetricMatrix3::outer(mean) * -1.0;
+        let mut c = self.second() * (1.0 / self.weight()) + SymmetricMatrix3::outer(mean) * -1.0;
         for diagonal in [0, 3, 5] {
             // Rounding alone makes a variance negative. `f64::max` would also turn NaN into 0.
             if c.0[diagonal] < 0.0 {
@@ -195,9 +172,9 @@ impl Moments {
     ///
     /// "Dependent on the distribution of the points in each cell as well as their inherent uncertainty" (section I).
     pub fn covariance_of_mean(&self) -> Option<SymmetricMatrix3> {
-        let squared = self.weight * self.weight;
+        let squared = self.weight() * self.weight();
         let scatter = self.covariance()? * (1.0 / self.count as f64);
-        Some(scatter + SymmetricMatrix3(self.noise.0.map(|c| c / squared)))
+        Some(scatter + SymmetricMatrix3(self.noise().0.map(|c| c / squared)))
     }
 
     /// Dispersion plus mean squared error per axis, `S/d − (L/d)² + E/d`: the variance of a vector drawn from the set
@@ -208,7 +185,7 @@ impl Moments {
     pub fn variance_with_error(&self) -> Option<[f64; 3]> {
         let scatter = self.covariance()?.diagonal_entries();
         let error = self.error();
-        Some([0, 1, 2].map(|i| scatter[i] + error[i] / self.weight))
+        Some([0, 1, 2].map(|i| scatter[i] + error[i] / self.weight()))
     }
 
     /// Expected squared distance of an uncertain vector from the uncertain mean (Lemma 3.1, Eq. 3):
@@ -217,7 +194,7 @@ impl Moments {
     #[inline]
     pub fn expected_squared_distance(&self, v: &UncertainVector) -> Option<f64> {
         let mean = self.mean()?;
-        let squared = self.weight * self.weight;
+        let squared = self.weight() * self.weight();
         let error = self.error();
         let terms = [0, 1, 2].map(|i| {
             let difference = v.value[i] - mean[i];

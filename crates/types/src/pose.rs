@@ -131,6 +131,7 @@ impl Pose {
     }
 
     /// A point from sensor to world coordinates.
+    #[inline]
     pub fn transform(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|i| dot(self.rotation[i], point) + self.translation[i])
     }

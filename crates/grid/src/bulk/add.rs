@@ -22,7 +22,7 @@ impl Share<'_> {
             find_slots(part, runs, section * SECTION, &mut self.founded);
             let mut sums = *sums;
             for run in runs.iter() {
-                let moments = &mut part.slots[run.slot as usize].moments;
+                let moments = &mut part.slots[run.slot].moments;
                 sums = records::add(moments, run.len(), errors, sums);
             }
         }

@@ -1,6 +1,7 @@
 //! Points into their cells as they come.
 
 use super::locate::{BATCH, Located, NOWHERE};
+use super::split::Split;
 use super::{Chunk, Taken, records};
 use crate::block::{BlockKey, RECENT};
 use crate::grid::Home;
@@ -44,7 +45,7 @@ impl VoxelGrid {
         mut places: Option<&mut Vec<[f32; 3]>>,
     ) -> Taken {
         let mut taken = Taken::default();
-        let mut located = Located::new();
+        let (mut located, mut split) = (Located::new(), Split::new());
         let mut homes = [Home::default(); BATCH];
         let mut found = [None; BATCH];
         let lattice = self.lattice;
@@ -61,8 +62,15 @@ impl VoxelGrid {
             }
             let (homes, found) = (&mut homes[..points.len()], &mut found[..points.len()]);
             if all {
-                for ((key, home), found) in located.keys.iter().zip(&mut *homes).zip(&mut *found) {
-                    *found = self.founded_at(*key, home);
+                split.split(&located.keys[..points.len()]);
+                let keys = located.keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
+                for ((((key, block), recent), place), (home, found)) in
+                    keys.zip(homes.iter_mut().zip(&mut *found))
+                {
+                    match self.met(*block, *recent as usize, *place as usize) {
+                        Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
+                        None => *found = self.founded_at(*key, home),
+                    }
                 }
                 records::add_each(&mut self.parts, homes, &located.local, &errors);
             } else {

@@ -64,7 +64,7 @@ impl Located {
                 if HALVES { (self::floor(0.5 * floor) + 0.5) * (2.0 * size) } else { (floor + 0.5) * size };
             // Whole numbers of a unit, so that sums of places are exact, whatever their order.
             #[allow(clippy::cast_possible_truncation)]
-            let rounded = (whole((x - anchor) * per_unit) * unit) as f32;
+            let rounded = (whole((x - anchor) * per_unit).min(MOST_UNITS) * unit) as f32;
             *local = x - anchor;
             *place = rounded;
         }
@@ -94,12 +94,14 @@ impl Located {
     }
 }
 
-/// What places are rounded to, in metres, and its inverse: a power of two, less than a millionth of a cell, of which single precision
-/// holds every multiple within twice a cell.
-pub(super) fn unit_of(size: f64) -> (f64, f64) {
+/// Places are no further than a cell from their anchor, which is less than this.
+const MOST_UNITS: f64 = i16::MAX as f64;
+
+/// What places are rounded to, in metres, and its inverse: a power of two, of which a cell has no more than 2¹⁵.
+pub(crate) fn unit_of(size: f64) -> (f64, f64) {
     // The exponent bits alone are the power of two below.
     let below = f64::from_bits(size.to_bits() & (0x7ff << 52));
-    let unit = below * (-22_f64).exp2();
+    let unit = below * (-14_f64).exp2();
     (unit, 1.0 / unit)
 }
 

@@ -7,12 +7,13 @@ mod find;
 mod locate;
 mod records;
 mod runs;
+mod split;
 
 use rayon::prelude::*;
 
 use self::add::Share;
 pub use self::errors::PointErrors;
-use self::locate::unit_of;
+pub(crate) use self::locate::unit_of;
 use self::runs::{Found, SECTION, Section};
 use crate::block::PARTS;
 use crate::cell::CellId;
@@ -47,7 +48,7 @@ impl Taken {
 impl VoxelGrid {
     /// Adds points with weight 1, faster than one by one and on all threads of the rayon pool, and appends the cell of each
     /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the [anchor](crate::Cell::anchor) of its voxel (of
-    /// its cell, with [`Assignment::ExpectedDistance`]), 0 if it was refused.
+    /// its cell, with [`Assignment::ExpectedDistance`]), in whole [units](Self::place_unit), 0 if it was refused.
     ///
     /// Cells, their identities and their sums are those of [`VoxelGrid::insert`] point by point, to the bit, on any number of threads and
     /// however points are handed over. [`Assignment::ExpectedDistance`] depends on the order of points, which are then inserted one by
@@ -155,8 +156,9 @@ impl VoxelGrid {
                         let (unit, per_unit) = unit_of(self.lattice.size);
                         // As `Located` rounds them.
                         #[allow(clippy::cast_possible_truncation)]
-                        let place = [0, 1, 2]
-                            .map(|i| (((point[i] - anchor[i]) * per_unit).round_ties_even() * unit) as f32);
+                        let place = [0, 1, 2].map(|i| {
+                            (((point[i] - anchor[i]) * per_unit).round_ties_even() * unit + 0.0) as f32
+                        });
                         places[at] = place;
                     }
                 }

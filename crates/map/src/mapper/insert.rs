@@ -9,6 +9,7 @@ use terrace_types::Scan;
 
 use super::{Kept, Mapper, View};
 use crate::cell_size::choose_from;
+use crate::packed::Packed;
 use crate::world::World;
 use crate::{InsertError, Inserted, Weighting};
 
@@ -117,23 +118,25 @@ impl Mapper {
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
         let at_once = if rayon::current_num_threads() == 1 { ALONE } else { AT_ONCE };
-        let mut world = World::default();
+        let (mut world, mut places) = (World::default(), Vec::new());
         for first in (0..scan.len()).step_by(at_once) {
             let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
             if self.seen.is_some() {
                 kept.cells.clear();
-                kept.places.clear();
             }
             let begin = kept.cells.len();
-            let places = grows.then_some(&mut kept.places);
-            let taken = grid.insert_all(points, errors, &mut kept.cells, places)?;
+            places.clear();
+            let taken = grid.insert_all(points, errors, &mut kept.cells, grows.then_some(&mut places))?;
             all = both(&all, &taken);
             if let Some(seen) = self.seen.as_mut().filter(|_| matters) {
                 seen.push(&kept.cells);
             }
             if grows {
                 let cells = &kept.cells[begin..];
-                self.samples.push_all(|at| number(cells[at]), &kept.places[begin..]);
+                self.samples.push_all(|at| number(cells[at]), &places);
+                if self.seen.is_none() {
+                    kept.places.extend(&places, grid.place_unit());
+                }
             }
         }
         if self.seen.is_none() {
@@ -154,7 +157,7 @@ impl Mapper {
         let places = if self.params.grows().is_some() { room } else { 0 };
         Kept {
             cells: Vec::with_capacity(room),
-            places: Vec::with_capacity(places),
+            places: Packed::with_capacity(places),
             view: self.views.len().saturating_sub(1),
         }
     }

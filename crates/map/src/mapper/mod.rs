@@ -12,6 +12,7 @@ use std::sync::OnceLock;
 use terrace_grid::{CellId, GridError, VoxelGrid};
 use terrace_regions::Samples;
 
+use crate::packed::Packed;
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
 
@@ -55,7 +56,7 @@ pub(crate) struct Kept {
     /// The fine cell; `None` for points that were left out.
     pub(crate) cells: Vec<Option<CellId>>,
     /// Where it is, from the centre of its voxel, where labels are those of points.
-    pub(crate) places: Vec<[f32; 3]>,
+    pub(crate) places: Packed,
     /// The number of the scan.
     pub(crate) view: usize,
 }

@@ -16,6 +16,7 @@ use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::face_sensors;
 use crate::first::used_of;
 use crate::nodes::Nodes;
+use crate::packed::{Packed, unpack};
 use crate::{
     CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
 };
@@ -27,7 +28,7 @@ pub(crate) use streamed::RegionLabels;
 /// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
 const MOSTLY: f64 = 0.9;
 /// Points that are labelled by a thread at once.
-const AT_ONCE: usize = 1 << 14;
+const AT_ONCE: usize = 1 << 13;
 
 /// Regions of a map, before their points are labelled.
 pub(crate) struct Grown<'m> {
@@ -145,17 +146,21 @@ impl<'m> Grown<'m> {
     }
 
     /// The labels of points, and what they measure.
-    pub(crate) fn label(
+    fn label(
         &self,
         cells: &[Option<CellId>],
-        places: &[[f32; 3]],
+        places: &Packed,
         labels: &mut [Option<PlaneId>],
     ) -> Vec<Measure> {
-        let parts =
-            cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
+        let parts = cells
+            .par_chunks(AT_ONCE)
+            .zip(places.of().par_chunks(AT_ONCE))
+            .zip(labels.par_chunks_mut(AT_ONCE));
+        let unit = self.mapper.fine().map_or(1.0, VoxelGrid::place_unit);
         let of_parts: Vec<Vec<Measure>> = parts
-            .map(|((cells, places), labels)| {
-                label_each(&self.found.labeller, &self.fine.places, (cells, places), labels, |region| {
+            .map_init(Vec::new, |unpacked, ((cells, packed), labels)| {
+                unpack(packed, unit, unpacked);
+                label_each(&self.found.labeller, &self.fine.places, (cells, unpacked), labels, |region| {
                     PlaneId::from_index(region as usize)
                 })
             })
