@@ -2,6 +2,10 @@
 //!
 //! Arguments are turned into calls of the `terrace` library and of `terrace-io`; no algorithm lives here.
 
+// Before those that use its macros.
+#[macro_use]
+mod output;
+
 mod args;
 mod calibrate_args;
 mod commands;

@@ -63,7 +63,7 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     file.write(&args.out.join("planes.json"))?;
     progress.finish();
     if !args.quiet {
-        println!(
+        outln!(
             "{}: {} points of {} planes in {}",
             scene.kind(),
             made.extent.points,

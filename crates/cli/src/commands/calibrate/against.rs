@@ -70,8 +70,8 @@ pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
     qq::write(&args.out, "planes of scans against those of the others", &series)?;
     progress.finish();
     if !args.quiet {
-        print!("{}", table::of_agreements(&runs));
-        println!(
+        out!("{}", table::of_agreements(&runs));
+        outln!(
             "{} of {} inputs used; cells of {cell_size:.4} m; written to {}",
             used.len(),
             used.len() + skipped.len(),

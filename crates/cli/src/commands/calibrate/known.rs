@@ -129,8 +129,8 @@ fn trials(
     }
     qq::write(&args.out, title, &series)?;
     if !args.quiet {
-        print!("{}", table::of_outcome(&outcome, trials.cells));
-        println!("written to {}", args.out.display());
+        out!("{}", table::of_outcome(&outcome, trials.cells));
+        outln!("written to {}", args.out.display());
     }
     Ok(())
 }

@@ -52,16 +52,16 @@ fn tell(args: &EvalArgs, compared: &[Compared], skipped: &[Skipped]) -> Result<(
     if let Some(path) = &args.json {
         let value = record::json(&args.field, compared, &means, skipped);
         if to_stdout {
-            println!("{value:#}");
+            outln!("{value:#}");
         } else {
             write(path, &value)?;
         }
     }
     if !to_stdout && !args.quiet {
-        print!("{}", table::of_pairs(compared, &means));
+        out!("{}", table::of_pairs(compared, &means));
         if args.per_plane {
             for (number, one) in compared.iter().enumerate() {
-                print!("{}", table::of_planes(number + 1, one));
+                out!("{}", table::of_planes(number + 1, one));
             }
         }
     }

@@ -124,7 +124,7 @@ impl<'s> Lone<'s> {
         file.write(&args.out.join("planes.json"))?;
         progress.finish();
         if !args.quiet {
-            print!("{}", told(&file, args, timings.grow.unwrap_or_default()));
+            out!("{}", told(&file, args, timings.grow.unwrap_or_default()));
         }
         Ok(())
     }

@@ -21,22 +21,27 @@ pub struct Told<'a> {
 /// Tells people what was found, and how sure it is.
 pub fn print(map: &PlaneMap, extents: Option<&Extents>, told: &Told) {
     let summary = map.summary();
-    print!("{}", table(map, extents));
-    println!(
+    out!("{}", table(map, extents));
+    outln!(
         "{} planes, {} of {} points labelled, {}; cells of {:.4} m, tau {}",
-        summary.planes, summary.labelled, summary.points, told.from, map.used.cell_size, map.used.tau,
+        summary.planes,
+        summary.labelled,
+        summary.points,
+        told.from,
+        map.used.cell_size,
+        map.used.tau,
     );
     match &map.noise {
-        Some(noise) => println!("{}", found(noise)),
+        Some(noise) => outln!("{}", found(noise)),
         None if told.errors_known => {}
-        None => println!(
+        None => outln!(
             "standard errors of the points are unknown (--sigma, --sensor){}: uncertainties rest on their scatter",
             // With the default preset they are looked for, so there was nothing to find them from.
             if map.used.params.estimate.is_some() { " and no flat place shows any" } else { "" },
         ),
     }
     let written: Vec<_> = told.written.iter().map(|path| path.display().to_string()).collect();
-    println!("written to {}", written.join(", "));
+    outln!("written to {}", written.join(", "));
 }
 
 /// The largest planes. How sure they are, and their areas, are left out where that was not asked for.

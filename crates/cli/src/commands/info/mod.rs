@@ -17,7 +17,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     let mut last = None;
     for path in &args.files {
         match told(path, &options, &args.read) {
-            Ok(text) => print!("{}\n{text}", path.display()),
+            Ok(text) => out!("{}\n{text}", path.display()),
             Err(error) => {
                 eprintln!("terrace: {error}");
                 last = Some(error);

@@ -14,6 +14,6 @@ pub fn run(args: &ReproduceArgs) -> Result<(), CliError> {
     if let Some(data) = &args.data {
         sequence::run(args, data)?;
     }
-    print!("{}", assumptions::TEXT);
+    out!("{}", assumptions::TEXT);
     Ok(())
 }

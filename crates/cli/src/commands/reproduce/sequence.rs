@@ -39,26 +39,26 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     })?;
     progress.finish();
 
-    println!("Section VI-B: {} posed scans, initial phi {}\n", sources.len(), params.phi);
-    println!("Table II                              s_x    s_y    s_z  clusters");
-    print!("{}", row("without optimisation", &runs.without));
-    print!("{}", row("with optimisation, share", &runs.share));
-    print!("{}", row("with optimisation, sum as printed", &runs.sum));
+    outln!("Section VI-B: {} posed scans, initial phi {}\n", sources.len(), params.phi);
+    outln!("Table II                              s_x    s_y    s_z  clusters");
+    out!("{}", row("without optimisation", &runs.without));
+    out!("{}", row("with optimisation, share", &runs.share));
+    out!("{}", row("with optimisation, sum as printed", &runs.sum));
     for (name, after) in [("share", &runs.share), ("sum", &runs.sum)] {
         let means = (runs.without.summary().normal_uncertainty_mean, after.summary().normal_uncertainty_mean);
         if let (Some(before), Some(after)) = means {
             let ratio = [0, 1, 2].map(|axis| format!("{:.2}", after[axis] / before[axis]));
-            println!("  with over without, {name:<5}              {}", ratio.join("   "));
+            outln!("  with over without, {name:<5}              {}", ratio.join("   "));
         }
     }
     let clusters: usize = runs.share.optimised.len();
-    println!("  {clusters} uncertain clusters were optimised");
+    outln!("  {clusters} uncertain clusters were optimised");
     for (name, title, map) in
         [("fig3.png", "without optimisation", &runs.without), ("fig4.png", "with optimisation", &runs.share)]
     {
         draw(&args.out.join(name), title, map)?;
     }
-    println!("figures: {0}/fig3.png, {0}/fig4.png\n", args.out.display());
+    outln!("figures: {0}/fig3.png, {0}/fig4.png\n", args.out.display());
     Ok(())
 }
 

@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 20_000;
 
 /// Runs the seeds and prints Table I for each; the figures are of the first.
 pub fn run(args: &ReproduceArgs) -> Result<(), CliError> {
-    println!("Section VI-A: three planes in a table-like structure, initial phi 0.97\n");
+    outln!("Section VI-A: three planes in a table-like structure, initial phi 0.97\n");
     let mut held = 0;
     for seed in args.seed..args.seed.saturating_add(args.seeds) {
         let truth =
@@ -29,8 +29,8 @@ pub fn run(args: &ReproduceArgs) -> Result<(), CliError> {
             figures(args, &truth.scan, &runs)?;
         }
     }
-    println!("the pattern of Table I holds for {held} of {} seeds", args.seeds);
-    println!("figures: {}/fig1.png, staircase.png, staircase.svg\n", args.out.display());
+    outln!("the pattern of Table I holds for {held} of {} seeds", args.seeds);
+    outln!("figures: {}/fig1.png, staircase.png, staircase.svg\n", args.out.display());
     Ok(())
 }
 
@@ -50,11 +50,11 @@ fn params(seed: u64) -> Params {
 /// three clusters, each at least 98 % from one plane, and less uncertainty on every axis on which it was above 0.3.
 fn report(seed: u64, truth: &LabelledScan, runs: &Runs) -> bool {
     let (before, after) = (purity(&runs.without, truth), purity(&runs.share, truth));
-    println!("Table I, seed {seed}                       s_x    s_y    s_z  clusters");
-    print!("{PAPER}");
-    print!("{}", row("without optimisation", &runs.without));
-    print!("{}", row("with optimisation, share", &runs.share));
-    print!("{}", row("with optimisation, sum as printed", &runs.sum));
+    outln!("Table I, seed {seed}                       s_x    s_y    s_z  clusters");
+    out!("{PAPER}");
+    out!("{}", row("without optimisation", &runs.without));
+    out!("{}", row("with optimisation, share", &runs.share));
+    out!("{}", row("with optimisation, sum as printed", &runs.sum));
     let phis: Vec<String> = runs
         .share
         .optimised
@@ -66,7 +66,7 @@ fn report(seed: u64, truth: &LabelledScan, runs: &Runs) -> bool {
             )
         })
         .collect();
-    println!("  best phi {}; least pure cluster {before:.3} before, {after:.3} after", phis.join(", "));
+    outln!("  best phi {}; least pure cluster {before:.3} before, {after:.3} after", phis.join(", "));
     let merged = before < 0.98;
     let pure = runs.share.planes.len() == 3 && after >= 0.98;
     let mean = |map: &PlaneMap| map.summary().normal_uncertainty_mean;
@@ -75,7 +75,7 @@ fn report(seed: u64, truth: &LabelledScan, runs: &Runs) -> bool {
         _ => false,
     };
     let verdict = |holds: bool| if holds { "yes" } else { "NO" };
-    println!(
+    outln!(
         "  planes merged before: {}; three pure clusters after: {}; uncertainty falls: {}\n",
         verdict(merged),
         verdict(pure),
@@ -143,7 +143,7 @@ fn figures(args: &ReproduceArgs, scan: &Scan, runs: &Runs) -> Result<(), CliErro
     let svg = chart.svg(800, 480)?;
     write_atomically(&args.out.join("staircase.svg"), |out| Ok(out.write_all(svg.as_bytes())?))?;
     let least = steps.iter().map(|s| s.beta).reduce(f64::min).unwrap_or(f64::NAN);
-    println!(
+    outln!(
         "  staircase of the merged cluster: {} steps, least cost {least:.4}; the random search found {:.4}\n",
         steps.len(),
         optimised.minimum.value

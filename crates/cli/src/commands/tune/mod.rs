@@ -169,10 +169,10 @@ fn summarise(args: &TuneArgs, tuned: &Tuned) {
         (Some(_), QualityMeasure::Cover) => "1 - cover",
         (Some(_), QualityMeasure::F1) => "1 - F1",
     };
-    println!("          cell m   depth   tau       omega         phi   {measure}");
+    outln!("          cell m   depth   tau       omega         phi   {measure}");
     let rows = [("before", &tuned.before_settings, &tuned.before), ("best", &tuned.best, &tuned.step)];
     for (name, s, step) in rows {
-        println!(
+        outln!(
             "{name:<6} {:>9} {:>7} {:>5} {:>11} {:>11}   {}",
             significant(s.cell_size),
             s.depth,
@@ -183,7 +183,7 @@ fn summarise(args: &TuneArgs, tuned: &Tuned) {
         );
     }
     let step = &tuned.step;
-    println!(
+    outln!(
         "the same result for tau {} to {}, omega {} to {}, phi {} to {}",
         step.tau.0,
         step.tau.1.map_or("any".to_owned(), |tau| tau.to_string()),
@@ -192,13 +192,13 @@ fn summarise(args: &TuneArgs, tuned: &Tuned) {
         short(step.phi.lo),
         step.phi.hi.map_or("any".to_owned(), short),
     );
-    println!(
+    outln!(
         "{} evaluations; for {} % of the settings it is proven that none is better",
         tuned.evaluations,
         percent(tuned.certified)
     );
-    println!("{}", again::command(args, &tuned.best));
-    println!("written to {}", args.out.display());
+    outln!("{}", again::command(args, &tuned.best));
+    outln!("written to {}", args.out.display());
 }
 
 /// Six decimals at most.
