@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use terrace_noise::ScanNoise;
+use terrace_stats::{Moments, SymmetricMatrix3};
 
 use crate::camera::Camera;
 use crate::flat::{Fitted, Noise};
-use crate::sum::{Sum, along};
 use crate::tiles::TILE;
 
 /// The share of tiles that scatter by their errors alone is taken to be at least twice this.
@@ -32,24 +32,24 @@ pub(crate) enum Errors {
 }
 
 impl Errors {
-    /// Covariance of the error of a point, xx, xy, xz, yy, yz, zz in m²; `None` where the sensor can have measured none.
-    pub(crate) fn at(&self, point: DVec3) -> Option<[f64; 6]> {
+    /// Covariance of the error of a point, in m²; `None` where the sensor can have measured none.
+    pub(crate) fn at(&self, point: DVec3) -> Option<SymmetricMatrix3> {
         match self {
-            Self::Stated(noise) => Some(noise.covariance(point.to_array())?.entries()),
+            Self::Stated(noise) => Some(SymmetricMatrix3(noise.covariance(point.to_array())?.entries())),
             Self::Found(steps) => {
                 let variance = between(steps, point.z)?;
                 // What is measured is the depth along the ray.
                 let [x, y] = [point.x / point.z, point.y / point.z];
-                Some([x * x, x * y, x, y * y, y, 1.0].map(|entry| entry * variance))
+                Some(SymmetricMatrix3([x * x, x * y, x, y * y, y, 1.0]) * variance)
             }
         }
     }
 
     /// From how the tiles of an image scatter about planes of their own: at each depth by what the flatter ones of the tiles there do.
-    pub(crate) fn found(tiles: &[Sum], camera: &Camera) -> Self {
+    pub(crate) fn found(tiles: &[Moments], camera: &Camera) -> Self {
         // A raw unit is the least that two depths differ by.
         let least = camera.unit * camera.unit / 12.0;
-        let scatter = |sum: &Sum| {
+        let scatter = |sum: &Moments| {
             let fitted = of_tile(sum)?;
             let depth = fitted.plane.point.z;
             let slope = fitted.plane.normal.dot(fitted.plane.point) / depth;
@@ -71,10 +71,10 @@ impl Errors {
 }
 
 /// What the variances of stated errors are to be multiplied by: more than 1 where even the flatter tiles scatter by more.
-pub(crate) fn scale_of(tiles: &[Sum]) -> f64 {
-    let ratio = |sum: &Sum| {
+pub(crate) fn scale_of(tiles: &[Moments]) -> f64 {
+    let ratio = |sum: &Moments| {
         let fitted = of_tile(sum)?;
-        let stated = along(sum.noise(), fitted.plane.normal);
+        let stated = sum.mean_noise()?.quadratic_form(fitted.plane.normal.to_array());
         (stated > 0.0).then(|| fitted.thickness / stated)
     };
     let mut all: Vec<f64> = some(tiles).filter_map(ratio).collect();
@@ -93,15 +93,15 @@ fn place(len: usize) -> usize {
 }
 
 /// A share of the tiles that tells of all.
-fn some(tiles: &[Sum]) -> impl Iterator<Item = &Sum> {
+fn some(tiles: &[Moments]) -> impl Iterator<Item = &Moments> {
     tiles.iter().step_by(EVERY)
 }
 
 /// The plane of a tile that is full enough, whatever its errors.
-fn of_tile(sum: &Sum) -> Option<Fitted> {
+fn of_tile(sum: &Moments) -> Option<Fitted> {
     let any = Noise { scale: 0.0, floor: f64::MIN_POSITIVE.sqrt() };
     let full = FULL * (TILE * TILE) as f64;
-    if sum.points() < full { None } else { Fitted::of(sum, any) }
+    if sum.weight() < full { None } else { Fitted::of(sum, any) }
 }
 
 /// The variance at a depth: straight between the square roots of those around it, and by the square of the depth beyond them.

@@ -1,6 +1,7 @@
 //! From a depth image to planes.
 
 use terrace_noise::{ScanNoise, SensorNoise};
+use terrace_stats::Moments;
 use terrace_types::PlaneId;
 
 use crate::camera::Camera;
@@ -12,7 +13,6 @@ use crate::looks::{self, Looks};
 use crate::plane::DepthPlane;
 use crate::pyramid::Pyramid;
 use crate::regions::regions;
-use crate::sum::Sum;
 use crate::tile::Tile;
 use crate::tiles::{self, TILE, Tiling};
 use crate::{DepthError, Settings};
@@ -39,7 +39,7 @@ pub struct PlaneFinder {
     camera: Camera,
     noise: Option<ScanNoise>,
     settings: Settings,
-    sums: Vec<Sum>,
+    sums: Vec<Moments>,
     tiles: Vec<Option<Tile>>,
     pyramid: Pyramid,
     owners: Vec<u32>,
@@ -99,106 +99,146 @@ impl PlaneFinder {
     /// # Errors
     /// [`DepthError::Length`] when there are not as many as pixels.
     pub fn find(&mut self, raw: &[u16]) -> Result<DepthPlanes, DepthError> {
-        let Self { camera, noise, settings, sums, tiles, pyramid, owners, labels } = self;
-        let expected = camera.width * camera.height;
+        let expected = self.camera.width * self.camera.height;
         if raw.len() != expected {
             return Err(DepthError::Length { found: raw.len(), expected });
         }
-        let tiling = Tiling::of(camera);
-        tiles::sums(raw, camera, sums);
-        let errors = match noise {
-            Some(noise) => Errors::Stated(*noise),
-            None => Errors::found(sums, camera),
-        };
-        let mut points = 0.0;
-        for sum in sums.iter_mut().filter(|sum| sum.points() > 0.0) {
-            points += sum.points();
-            *sum = errors.at(sum.mean()).map_or(Sum::ZERO, |covariance| sum.with_noise(covariance));
-        }
-        tiles.clear();
-        tiles.extend(sums.iter().map(Tile::of));
-        pyramid.fill(sums, tiling);
-
-        let edge = 2.0 * TILE as f64 * camera.pixel();
-        let image = Image { tiles, sums, levels: &pyramid.levels };
-        let are_stated = noise.is_some();
-        let scale = if are_stated { scale_of(sums) } else { 1.0 };
-        let noise = Noise { scale, floor: FLOOR * edge };
-        let mut regions = regions(image, noise, are_stated, settings.tilt);
-        let wide = |region: &Region| {
-            // A strip of the width w scatters by w² / 12.
-            let [_, across, _] = region.fitted.fit.variances;
-            (12.0 * across).sqrt() >= NARROWEST * camera.pixel() * region.fitted.plane.point.z
-        };
-        regions.retain(wide);
-
-        let fewest = (SHARE_OF_POINTS * points).clamp(FEWEST_POINTS, ENOUGH_POINTS);
-        let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
+        let (errors, points) = self.take(raw);
+        let noise = self.noise_of_image();
+        let found = self.grown(noise);
         let looks: Vec<Looks> =
-            regions.iter().map(|region| Looks::of(region, image, camera, noise)).collect();
+            found.iter().map(|region| Looks::of(region, self.image(), &self.camera, noise)).collect();
         let all: f64 = looks.iter().fold(0.0, |sum, looks| sum + looks.area);
-        let least = settings.min_area.unwrap_or(SHARE_OF_AREA * all);
-        let is_plane = |looks: &Looks| {
-            let curved = |bend: looks::Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
-            looks.area >= least && !looks.bend.is_some_and(curved)
-        };
-        let candidate = |region: &Region| Candidate {
-            plane: region.fitted.plane,
-            // A region that is smoother than errors say is not given less of them than are stated.
-            grown: region.fitted.reduced_chi_squared().max(1.0 / noise.scale),
-        };
-        let mut candidates: Vec<Option<Candidate>> = regions.iter().map(|r| Some(candidate(r))).collect();
-        owners.clear();
-        owners.resize(sums.len(), 0);
-        for (label, region) in (1..).zip(&regions) {
-            region.tiles.iter().for_each(|tile| owners[*tile as usize] = label);
-        }
-        labels.resize(raw.len(), 0);
-        let of_image = |candidates: &[Option<Candidate>], labels: &mut [u32]| {
-            let told =
-                Labels { camera, tiling, tiles, errors: &errors, noise, owners, reach: settings.reach };
-            told.all(raw, candidates, labels)
-        };
-        let mut counts = of_image(&candidates, labels);
-        // What explains its own tiles badly, or is too little, leaves its pixels to others.
-        let keeps = |count: &Count, region: &Region| {
-            count.points as f64 >= fewest && count.own as f64 >= OWN * region.fitted.points
-        };
-        let mut dropped = false;
-        for ((candidate, region), count) in candidates.iter_mut().zip(&regions).zip(&counts) {
-            if !keeps(count, region) {
-                *candidate = None;
-                dropped = true;
-            }
-        }
-        if dropped {
-            counts = of_image(&candidates, labels);
-        }
-        let mut order: Vec<usize> = (0..regions.len())
-            .filter(|at| {
-                candidates[*at].is_some() && is_plane(&looks[*at]) && counts[*at].points as f64 >= fewest
-            })
-            .collect();
-        order.sort_by_key(|at| std::cmp::Reverse(counts[*at].points));
-        let mut numbers: Vec<Option<PlaneId>> = vec![None; regions.len() + 1];
-        let mut planes = Vec::with_capacity(order.len());
-        for at in order {
-            let Ok(label) = u32::try_from(at + 1) else { continue };
-            let plane = DepthPlane::of((label, &regions[at]), image, owners, &looks[at], &counts[at], noise);
-            // What turns out to be none has no number: labels tell of planes that are there.
-            if let Some(plane) = plane {
-                numbers[at + 1] = PlaneId::from_index(planes.len());
-                planes.push(plane);
-            }
-        }
+        let fewest = (SHARE_OF_POINTS * points).clamp(FEWEST_POINTS, ENOUGH_POINTS);
+        let fewest = self.settings.min_points.map_or(fewest, |fewest| fewest as f64);
+        let least = self.settings.min_area.unwrap_or(SHARE_OF_AREA * all);
+
+        let counts = self.label(raw, &errors, noise, &found, fewest);
+        let (planes, numbers) = self.numbered(&found, &looks, &counts, noise, least);
         Ok(DepthPlanes {
             planes,
-            labels: labels.iter().map(|label| numbers[*label as usize]).collect(),
+            labels: self.labels.iter().map(|label| numbers[*label as usize]).collect(),
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
             points: points as usize,
             noise_scale: noise.scale,
             min_points: fewest,
             min_area: least,
         })
+    }
+
+    /// Sums up an image, with the errors of its points: what they are, and how many points there are.
+    fn take(&mut self, raw: &[u16]) -> (Errors, f64) {
+        let Self { camera, noise, sums, tiles, pyramid, .. } = self;
+        tiles::sums(raw, camera, sums);
+        let errors = match noise {
+            Some(noise) => Errors::Stated(*noise),
+            None => Errors::found(sums, camera),
+        };
+        let mut points = 0.0;
+        for sum in sums.iter_mut() {
+            let Some(mean) = sum.mean() else { continue };
+            points += sum.weight();
+            let noise = errors.at(mean.into()).map(|of_point| of_point * sum.weight());
+            *sum = noise.map_or(Moments::EMPTY, |noise| sum.with_noise(noise));
+        }
+        tiles.clear();
+        tiles.extend(sums.iter().map(Tile::of));
+        pyramid.fill(sums, Tiling::of(camera));
+        (errors, points)
+    }
+
+    fn image(&self) -> Image<'_> {
+        Image { tiles: &self.tiles, sums: &self.sums, levels: &self.pyramid.levels }
+    }
+
+    fn noise_of_image(&self) -> Noise {
+        let edge = 2.0 * TILE as f64 * self.camera.pixel();
+        let scale = if self.noise.is_some() { scale_of(&self.sums) } else { 1.0 };
+        Noise { scale, floor: FLOOR * edge }
+    }
+
+    /// The regions that are wide enough for a plane.
+    fn grown(&self, noise: Noise) -> Vec<Region> {
+        let mut regions = regions(self.image(), noise, self.noise.is_some(), self.settings.tilt);
+        let pixel = self.camera.pixel();
+        regions.retain(|region| {
+            // A strip of the width w scatters by w² / 12.
+            let [_, across, _] = region.fitted.fit.variances;
+            (12.0 * across).sqrt() >= NARROWEST * pixel * region.fitted.plane.point.z
+        });
+        regions
+    }
+
+    /// Labels all pixels, by one more than the numbers of regions, and counts those of each; `None` for regions that leave theirs to
+    /// others, because they explain their own tiles badly or are too little.
+    fn label(
+        &mut self,
+        raw: &[u16],
+        errors: &Errors,
+        noise: Noise,
+        regions: &[Region],
+        fewest: f64,
+    ) -> Vec<Option<Count>> {
+        let Self { camera, settings, sums, tiles, owners, labels, .. } = self;
+        owners.clear();
+        owners.resize(sums.len(), 0);
+        for (label, region) in (1..).zip(regions) {
+            region.tiles.iter().for_each(|tile| owners[*tile as usize] = label);
+        }
+        labels.resize(raw.len(), 0);
+        let tiling = Tiling::of(camera);
+        let told = Labels { camera, tiling, tiles, errors, noise, owners, reach: settings.reach };
+        let candidate = |region: &Region| Candidate {
+            plane: region.fitted.plane,
+            // A region that is smoother than errors say is not given less of them than are stated.
+            grown: region.fitted.reduced_chi_squared().max(1.0 / noise.scale),
+        };
+        let mut candidates: Vec<Option<Candidate>> = regions.iter().map(|r| Some(candidate(r))).collect();
+        let mut counts = told.all(raw, &candidates, labels);
+        for ((candidate, region), count) in candidates.iter_mut().zip(regions).zip(&counts) {
+            let keeps = count.points as f64 >= fewest && count.own as f64 >= OWN * region.fitted.points;
+            *candidate = candidate.take().filter(|_| keeps);
+        }
+        if candidates.iter().any(Option::is_none) {
+            counts = told.all(raw, &candidates, labels);
+        }
+        let enough = |count: &Count| count.points as f64 >= fewest;
+        let count = |(candidate, count): (&Option<Candidate>, Count)| {
+            candidate.as_ref().and(Some(count)).filter(enough)
+        };
+        candidates.iter().zip(counts).map(count).collect()
+    }
+
+    /// The planes, those with most pixels first, and the number of each label.
+    fn numbered(
+        &self,
+        regions: &[Region],
+        looks: &[Looks],
+        counts: &[Option<Count>],
+        noise: Noise,
+        least: f64,
+    ) -> (Vec<DepthPlane>, Vec<Option<PlaneId>>) {
+        let is_plane = |looks: &Looks| {
+            let curved =
+                |bend: looks::Bend| bend.turn > self.settings.turn && bend.significance > SIGNIFICANT;
+            looks.area >= least && !looks.bend.is_some_and(curved)
+        };
+        let mut of_planes: Vec<(u32, &Region, &Looks, &Count)> = (1..)
+            .zip(regions.iter().zip(looks).zip(counts))
+            .filter_map(|(label, ((region, looks), count))| Some((label, region, looks, count.as_ref()?)))
+            .filter(|(_, _, looks, _)| is_plane(looks))
+            .collect();
+        of_planes.sort_by_key(|(.., count)| std::cmp::Reverse(count.points));
+        let mut numbers: Vec<Option<PlaneId>> = vec![None; regions.len() + 1];
+        let mut planes = Vec::with_capacity(of_planes.len());
+        for (label, region, looks, count) in of_planes {
+            let plane = DepthPlane::of((label, region), self.image(), &self.owners, looks, count, noise);
+            // What turns out to be none has no number: labels tell of planes that are there.
+            if let Some(plane) = plane {
+                numbers[label as usize] = PlaneId::from_index(planes.len());
+                planes.push(plane);
+            }
+        }
+        (planes, numbers)
     }
 }

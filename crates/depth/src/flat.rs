@@ -1,9 +1,8 @@
 //! Planes of sums, and how well they fit.
 
 use glam::DVec3;
-use terrace_normals::{PlaneFit, fit_plane};
-
-use crate::sum::{Sum, along};
+use terrace_normals::{EigenvalueBounds, PlaneFit, fit_plane};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 
 /// A neighbourhood with fewer points says too little.
 const FEWEST: f64 = 8.0;
@@ -41,8 +40,8 @@ pub(crate) struct Noise {
 impl Noise {
     /// Variance of the error of a point along a direction, in m², by the mean covariance of errors and the depth.
     #[inline]
-    pub(crate) fn variance(&self, noise: [f64; 6], depth: f64, direction: DVec3) -> f64 {
-        (self.scale * along(noise, direction)).max((self.floor * depth).powi(2))
+    pub(crate) fn variance(&self, noise: &SymmetricMatrix3, depth: f64, direction: DVec3) -> f64 {
+        (self.scale * noise.quadratic_form(direction.to_array())).max((self.floor * depth).powi(2))
     }
 }
 
@@ -64,16 +63,16 @@ pub(crate) struct Fitted {
 
 impl Fitted {
     /// `None` when the points are too few or determine no plane.
-    pub(crate) fn of(sum: &Sum, noise: Noise) -> Option<Self> {
-        let points = sum.points();
+    pub(crate) fn of(sum: &Moments, noise: Noise) -> Option<Self> {
+        let points = sum.weight();
         if points < FEWEST {
             return None;
         }
-        let fit = fit_plane(&sum.stats()).ok()?;
+        let fit = fit_plane(&stats(sum)).ok()?;
         let plane = Flat { normal: fit.normal.into(), point: fit.centroid.into() };
-        let (errors, depth) = (sum.noise(), plane.point.z);
-        let variance = noise.variance(errors, depth, plane.normal);
-        let across = noise.variance(errors, depth, fit.axes[1].into());
+        let (errors, depth) = (sum.mean_noise()?, plane.point.z);
+        let variance = noise.variance(&errors, depth, plane.normal);
+        let across = noise.variance(&errors, depth, fit.axes[1].into());
         let thickness = fit.variances[0] * points / (points - 3.0);
         let tilt = (thickness.max(variance) / (points * fit.variances[1])).sqrt();
         (variance > 0.0 && tilt.is_finite()).then_some(Self {
@@ -115,48 +114,35 @@ fn allowed(chi_squared: f64, points: f64) -> f64 {
     chi_squared * (1.0 + 3.0 * (2.0 / points).sqrt())
 }
 
-/// What is known of points from their sums alone, without a plane fitted.
-///
-/// With eigenvalues λ₀ ≤ λ₁ ≤ λ₂ of the scatter C, trace t, determinant d and m = λ₀λ₁ + λ₀λ₂ + λ₁λ₂ the sum of the principal
-/// minors: λ₀ ≥ d/m, λ₁ ≤ t/2, and any unit vector n at the angle θ from the first eigenvector has nᵀCn ≥ λ₁ sin²θ.
-impl Sum {
-    /// A bound from below of the tilt of the plane through the points; `None` when it is not flat for sure, or they are too few.
-    pub(crate) fn least_tilt(&self, noise: Noise, chi_squared: f64) -> Option<f64> {
-        let points = self.points();
-        if points < FEWEST {
-            return None;
-        }
-        let (trace, minors, determinant) = invariants(self.covariance());
-        let thickness = (determinant / minors).max(0.0) * points / (points - 3.0);
-        let [xx, xy, xz, yy, yz, zz] = self.noise();
-        // Gershgorin: the variance of errors along any direction is within these.
-        let radii = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];
-        let diagonal = [xx, yy, zz];
-        let least = (0..3).fold(f64::INFINITY, |least, i| least.min(diagonal[i] - radii[i]));
-        let most = (0..3).fold(0.0, |most: f64, i| most.max(diagonal[i] + radii[i]));
-        let floor = (noise.floor * self.mean().z).powi(2);
-        let [least, most] = [least, most].map(|v| (noise.scale * v).max(floor));
-        if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * most {
-            return None;
-        }
-        let tilt = (thickness.max(least) / (points * 0.5 * trace)).sqrt() * (1.0 - ROUNDING);
-        // Not a number where all is zero, and then of no plane.
-        (!tilt.is_nan()).then_some(tilt)
-    }
-
-    /// Whether the plane through the points is turned by less than an angle against another for sure, by the sine squared.
-    pub(crate) fn is_along(&self, plane: &Flat, sine_squared: f64) -> bool {
-        let scatter = self.covariance();
-        let (trace, minors, _) = invariants(scatter);
-        let off = along(scatter, plane.normal);
-        // λ₁ λ₂ = m − λ₀ (λ₁ + λ₂), λ₀ ≤ nᵀCn and λ₂ ≤ t.
-        let across = (minors - off * trace) / trace;
-        off <= sine_squared * across * (1.0 - ROUNDING)
-    }
+/// Sums about the camera itself: a scene is so small that squares lose nothing.
+pub(crate) fn stats(sum: &Moments) -> Stats {
+    Stats::from_moments([0.0; 3], *sum)
 }
 
-/// Trace, sum of the principal minors, determinant.
-fn invariants([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> (f64, f64, f64) {
-    let (a, b, c) = (yy * zz - yz * yz, xy * zz - yz * xz, xy * yz - yy * xz);
-    (xx + yy + zz, a + (xx * zz - xz * xz) + (xx * yy - xy * xy), xx * a - xy * b + xz * c)
+/// A bound from below of the tilt of the plane through the points of some sums; `None` when it is not flat for sure, or they are too few.
+pub(crate) fn least_tilt(sum: &Moments, noise: Noise, chi_squared: f64) -> Option<f64> {
+    let points = sum.weight();
+    if points < FEWEST {
+        return None;
+    }
+    let bounds = EigenvalueBounds::of(&sum.covariance()?);
+    let thickness = bounds.least[0] * points / (points - 3.0);
+    let [least, most] = sum.mean_noise()?.range();
+    let [_, _, depth] = sum.mean()?;
+    let floor = (noise.floor * depth).powi(2);
+    let [least, most] = [least, most].map(|v| (noise.scale * v).max(floor));
+    if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * most {
+        return None;
+    }
+    let tilt = (thickness.max(least) / (points * bounds.middle[1])).sqrt() * (1.0 - ROUNDING);
+    // Not a number where all is zero, and then of no plane.
+    (!tilt.is_nan()).then_some(tilt)
+}
+
+/// Whether the plane through the points of some sums is turned by less than an angle against another for sure, by the sine squared.
+pub(crate) fn is_along(sum: &Moments, plane: &Flat, sine_squared: f64) -> bool {
+    sum.covariance().is_some_and(|scatter| {
+        let variance = scatter.quadratic_form(plane.normal.to_array());
+        EigenvalueBounds::of(&scatter).is_within(variance, sine_squared)
+    })
 }

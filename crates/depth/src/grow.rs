@@ -1,9 +1,10 @@
 //! Regions of tiles that lie on one plane.
 
+use terrace_stats::Moments;
+
 use crate::around::Arounds;
-use crate::flat::{Fitted, Flat, Noise};
+use crate::flat::{Fitted, Flat, Noise, is_along, least_tilt};
 use crate::pyramid::{LEVELS, Level, near};
-use crate::sum::Sum;
 use crate::tile::Tile;
 
 /// A seed's points may scatter by this, in units of the variance of their errors.
@@ -50,7 +51,7 @@ struct Seed {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Image<'t> {
     pub(crate) tiles: &'t [Option<Tile>],
-    pub(crate) sums: &'t [Sum],
+    pub(crate) sums: &'t [Moments],
     pub(crate) levels: &'t [Level; LEVELS],
 }
 
@@ -118,7 +119,7 @@ impl<'a, 't> Growing<'a, 't> {
     /// The plane at a seed; `None` when it cannot begin a region.
     fn judge(&mut self, seed: Seed) -> Option<Fitted> {
         let around = &self.image.levels[seed.level].around[seed.group];
-        let bound = around.least_tilt(self.noise, SEED_CHI_SQUARED)?;
+        let bound = least_tilt(around, self.noise, SEED_CHI_SQUARED)?;
         if bound > SEED_TILT || !self.is_free(seed) {
             return None;
         }
@@ -148,7 +149,7 @@ impl<'a, 't> Growing<'a, 't> {
     fn have_room(&self, tiles: impl Iterator<Item = u32>) -> bool {
         let (mut free, mut all) = (0.0, 0.0);
         for tile in tiles {
-            let points = self.image.sums[tile as usize].points();
+            let points = self.image.sums[tile as usize].weight();
             all += points;
             free += if self.owned[tile as usize] { 0.0 } else { points };
         }
@@ -163,9 +164,9 @@ impl<'a, 't> Growing<'a, 't> {
             if tiles.len() < FEWEST_TILES {
                 return None;
             }
-            let mut sum = Sum::ZERO;
+            let mut sum = Moments::EMPTY;
             for tile in &tiles {
-                sum.add(&self.image.sums[*tile as usize]);
+                sum.merge(&self.image.sums[*tile as usize]);
             }
             let fitted = Fitted::of(&sum, self.noise)?;
             plane = fitted.plane;
@@ -223,7 +224,7 @@ impl<'a, 't> Growing<'a, 't> {
             return false;
         }
         // Nearly all tiles are told by their sums.
-        self.image.levels[0].around[at].is_along(plane, TURNED.sin().powi(2))
+        is_along(&self.image.levels[0].around[at], plane, TURNED.sin().powi(2))
             || self.arounds.get(0, at).is_none_or(|around| {
                 around.is_row() || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt
             })

@@ -130,7 +130,7 @@ impl Labels<'_> {
             let ray = DVec3::new(x + half / width, y + half / height, 1.0);
             let depth = offset / n.dot(ray);
             let depth = if depth > 0.0 { depth } else { tile.mean.z };
-            self.noise.variance(self.errors.at(ray * depth)?, depth, n)
+            self.noise.variance(&self.errors.at(ray * depth)?, depth, n)
         };
         let variance = variance * candidate.grown;
         let per_error = 1.0 / variance.sqrt();

@@ -13,7 +13,6 @@ mod plane;
 mod pyramid;
 mod regions;
 mod settings;
-mod sum;
 mod tile;
 mod tiles;
 

@@ -4,7 +4,7 @@ use terrace_normals::CovariantPlane;
 use terrace_stats::Stats;
 use terrace_types::{Plane, Pose};
 
-use crate::flat::{Flat, Noise};
+use crate::flat::{Flat, Noise, stats};
 use crate::grow::{Image, Region};
 use crate::labels::Count;
 use crate::looks::Looks;
@@ -60,7 +60,7 @@ impl DepthPlane {
         let enough = inside.len() >= FEWEST_INSIDE && inside.len() * SMALLEST_SHARE >= region.tiles.len();
         let tiles = if enough { &inside } else { &region.tiles };
         let stats = |tile: &u32| {
-            let stats = image.sums[*tile as usize].stats();
+            let stats = stats(&image.sums[*tile as usize]);
             stats.with_noise(stats.moments().noise() * noise.scale)
         };
         let stats: Vec<Stats> = tiles.iter().map(stats).collect();

@@ -1,6 +1,7 @@
 //! Tiles in groups, at several resolutions.
 
-use crate::sum::Sum;
+use terrace_stats::Moments;
+
 use crate::tiles::Tiling;
 
 /// Resolutions: that of the tiles, and coarser ones, each with twice the edge of the one before.
@@ -12,7 +13,7 @@ pub(crate) struct Level {
     pub(crate) columns: usize,
     pub(crate) rows: usize,
     /// Row by row: of a group and the up to eight that touch it.
-    pub(crate) around: Vec<Sum>,
+    pub(crate) around: Vec<Moments>,
 }
 
 impl Level {
@@ -40,12 +41,12 @@ pub(crate) fn within(steps: usize, at: usize, columns: usize, rows: usize) -> im
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Pyramid {
     pub(crate) levels: [Level; LEVELS],
-    own: [Vec<Sum>; 2],
-    rows: Vec<Sum>,
+    own: [Vec<Moments>; 2],
+    rows: Vec<Moments>,
 }
 
 impl Pyramid {
-    pub(crate) fn fill(&mut self, tiles: &[Sum], tiling: Tiling) {
+    pub(crate) fn fill(&mut self, tiles: &[Moments], tiling: Tiling) {
         let Self { levels, own, rows } = self;
         let [own, coarser] = own;
         own.clear();
@@ -59,9 +60,9 @@ impl Pyramid {
             for pair in own.chunks(2 * width) {
                 let (upper, lower) = pair.split_at(width);
                 for column in (0..width).step_by(2) {
-                    let mut sum = Sum::ZERO;
+                    let mut sum = Moments::EMPTY;
                     for row in [upper, lower] {
-                        row.iter().skip(column).take(2).for_each(|more| sum.add(more));
+                        row.iter().skip(column).take(2).for_each(|more| sum.merge(more));
                     }
                     coarser.push(sum);
                 }
@@ -73,16 +74,16 @@ impl Pyramid {
 }
 
 /// Sums of three by three: first along rows, then of three rows.
-fn around(own: &[Sum], width: usize, along: &mut Vec<Sum>, to: &mut Vec<Sum>) {
+fn around(own: &[Moments], width: usize, along: &mut Vec<Moments>, to: &mut Vec<Moments>) {
     along.clear();
     for row in own.chunks(width) {
         for at in 0..width {
             let mut sum = row[at];
             if at > 0 {
-                sum.add(&row[at - 1]);
+                sum.merge(&row[at - 1]);
             }
             if at + 1 < width {
-                sum.add(&row[at + 1]);
+                sum.merge(&row[at + 1]);
             }
             along.push(sum);
         }
@@ -91,10 +92,10 @@ fn around(own: &[Sum], width: usize, along: &mut Vec<Sum>, to: &mut Vec<Sum>) {
     for at in 0..along.len() {
         let mut sum = along[at];
         if at >= width {
-            sum.add(&along[at - width]);
+            sum.merge(&along[at - width]);
         }
         if let Some(below) = along.get(at + width) {
-            sum.add(below);
+            sum.merge(below);
         }
         to.push(sum);
     }
@@ -104,15 +105,17 @@ fn around(own: &[Sum], width: usize, along: &mut Vec<Sum>, to: &mut Vec<Sum>) {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use terrace_stats::SymmetricMatrix3;
 
     proptest! {
         #[test]
         fn sums_around_are_those_of_brute_force((columns, rows) in (1..14_usize, 1..14_usize), salt in 0..97_usize) {
-            let own = |at: usize| Sum::of((at * 31 + salt) as f64 % 97.0, [at as f64, 0.5, 0.0], [1.0; 6]);
-            let tiles: Vec<Sum> = (0..columns * rows).map(own).collect();
+            let ones = SymmetricMatrix3([1.0; 6]);
+            let own = |at: usize| Moments::from_sums((at * 31 + salt) as u64 % 97, [at as f64, 0.5, 0.0], ones, ones);
+            let tiles: Vec<Moments> = (0..columns * rows).map(own).collect();
             let mut pyramid = Pyramid::default();
             // Memory that was used before changes nothing.
-            pyramid.fill(&[Sum::ZERO; 6], Tiling { columns: 3, rows: 2 });
+            pyramid.fill(&[Moments::EMPTY; 6], Tiling { columns: 3, rows: 2 });
             pyramid.fill(&tiles, Tiling { columns, rows });
             for (l, level) in pyramid.levels.iter().enumerate() {
                 prop_assert_eq!(level.columns, columns.div_ceil(1 << l));
@@ -122,9 +125,10 @@ mod tests {
                     let touches = |at: usize| {
                         ((at % columns) >> l).abs_diff(column) <= 1 && ((at / columns) >> l).abs_diff(row) <= 1
                     };
-                    let mut expected = Sum::ZERO;
-                    (0..tiles.len()).filter(|at| touches(*at)).for_each(|at| expected.add(&tiles[at]));
-                    prop_assert!(found.is_near(&expected, 1e-9));
+                    let mut expected = Moments::EMPTY;
+                    (0..tiles.len()).filter(|at| touches(*at)).for_each(|at| expected.merge(&tiles[at]));
+                    // Sums of whole numbers and halves: exact in any order.
+                    prop_assert_eq!(*found, expected);
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! Sums of the pixels of each tile.
 
+use terrace_stats::{Moments, SymmetricMatrix3};
+
 use crate::camera::{Camera, is_measurement};
-use crate::sum::Sum;
 
 /// A tile has so many columns and rows of pixels.
 pub(crate) const TILE: usize = 8;
@@ -24,7 +25,7 @@ impl Tiling {
 /// A pixel (u, v) with the depth z is at ((u − cx)/fx · z, (v − cy)/fy · z, z), so that the sums of points follow from sums of z and z² with
 /// powers of u and v, column by column of the tile, eight at a time. Depths are taken from one of the tile, so that single
 /// precision is exact enough.
-pub(crate) fn sums(raw: &[u16], camera: &Camera, to: &mut Vec<Sum>) {
+pub(crate) fn sums(raw: &[u16], camera: &Camera, to: &mut Vec<Moments>) {
     to.clear();
     pulp::Arch::new().dispatch(|| all(raw, camera, to));
 }
@@ -32,7 +33,7 @@ pub(crate) fn sums(raw: &[u16], camera: &Camera, to: &mut Vec<Sum>) {
 // Into what it is dispatched to.
 #[allow(clippy::inline_always)]
 #[inline(always)]
-fn all(raw: &[u16], camera: &Camera, to: &mut Vec<Sum>) {
+fn all(raw: &[u16], camera: &Camera, to: &mut Vec<Moments>) {
     let width = camera.width;
     for (row, band) in raw.chunks(TILE * width).enumerate() {
         for column in (0..width).step_by(TILE) {
@@ -54,13 +55,13 @@ type Powers = [f64; 6];
 
 #[allow(clippy::inline_always)]
 #[inline(always)]
-fn of_tile(tile: &[[u16; TILE]; TILE], [x, y]: [f64; 2], [dx, dy]: [f64; 2], unit: f64) -> Sum {
+fn of_tile(tile: &[[u16; TILE]; TILE], [x, y]: [f64; 2], [dx, dy]: [f64; 2], unit: f64) -> Moments {
     let middle = tile[TILE / 2][TILE / 2];
     let reference = if is_measurement(middle) {
         middle
     } else {
         let Some(any) = tile.as_flattened().iter().copied().find(|raw| is_measurement(*raw)) else {
-            return Sum::ZERO;
+            return Moments::EMPTY;
         };
         any
     };
@@ -98,7 +99,10 @@ fn of_tile(tile: &[[u16; TILE]; TILE], [x, y]: [f64; 2], [dx, dy]: [f64; 2], uni
         y * s1 + dy * sv,
         s1,
     ];
-    Sum::of(ones[0], sum, second)
+    // Pixels of a tile, counted one by one.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let points = ones[0] as u64;
+    Moments::from_sums(points, sum, SymmetricMatrix3(second), SymmetricMatrix3::ZERO)
 }
 
 #[allow(clippy::inline_always)]
@@ -149,8 +153,10 @@ mod tests {
             prop_assert_eq!(found.len(), expected.len());
             for (found, (first, second)) in found.iter().zip(expected) {
                 let size = first[0].max(1.0) * 66.0 * 66.0;
-                let expected = Sum::of(first[0], [first[1], first[2], first[3]], second);
-                prop_assert!(found.is_near(&expected, 1e-6 * size), "{:?} {:?}", found, expected);
+                let all = |moments: &Moments| [&[moments.weight()], &moments.sum()[..], &moments.second().0].concat();
+                let expected = [&first[..], &second].concat();
+                let near = all(found).iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 1e-6 * size);
+                prop_assert!(near, "{:?} {:?}", found, expected);
             }
         }
     }
@@ -165,7 +171,7 @@ mod tests {
         let mut found = Vec::new();
         sums(&raw, &camera, &mut found);
         for sum in found {
-            let fit = terrace_normals::fit_plane(&sum.stats()).unwrap();
+            let fit = terrace_normals::fit_plane(&crate::flat::stats(&sum)).unwrap();
             // Rounding has a variance of a twelfth of a unit, of which the slant leaves less.
             let expected = (1e-8_f64 / 12.0).sqrt();
             assert!((0.5..1.3).contains(&(fit.rms() / expected)), "{} {expected}", fit.rms());

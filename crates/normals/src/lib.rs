@@ -8,6 +8,7 @@
 //!   offset, and of its coefficients.
 //! * [`symmetric_eigen`] and [`symmetric_eigen_batch`]: eigenvalues and eigenvectors of symmetric 3×3 matrices by
 //!   Jacobi rotations, the solver under all of it.
+//! * [`EigenvalueBounds`]: certified bounds of the eigenvalues of a covariance, for a fraction of the solver's time.
 //! * [`towards`] turns a normal to the sensor, [`canonical`] to a fixed side.
 //!
 //! ```
@@ -49,6 +50,7 @@
 //! A neighbourhood that determines no plane gives [`Degenerate`] with the reason, never an invented normal. Nothing
 //! panics; input that is not finite is [`Degenerate::NotFinite`].
 
+mod bounds;
 mod covariant;
 mod degenerate;
 mod eigen;
@@ -56,6 +58,7 @@ mod fit;
 mod minmax;
 mod orient;
 
+pub use bounds::EigenvalueBounds;
 pub use covariant::CovariantPlane;
 pub use degenerate::Degenerate;
 pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};

@@ -74,6 +74,14 @@ impl SymmetricMatrix3 {
         xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + xz * x * z + yz * y * z)
     }
 
+    /// Bounds of `vᵀ M v` for any unit `v`, from below and above: Gershgorin's. Those of a diagonal matrix are its least and largest
+    /// entry.
+    pub fn range(&self) -> [f64; 2] {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        let [x, y, z] = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];
+        [(xx - x).min(yy - y).min(zz - z), (xx + x).max(yy + y).max(zz + z)]
+    }
+
     /// Whether every entry is finite.
     pub fn is_finite(&self) -> bool {
         self.0.iter().all(|x| x.is_finite())

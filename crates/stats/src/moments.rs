@@ -141,6 +141,13 @@ impl Moments {
         SymmetricMatrix3([xx, xy, xz, yy, yz, zz])
     }
 
+    /// Mean covariance of the vectors' errors, `Σ w² C / W`, of vectors with weight 1. `None` without weight.
+    #[inline]
+    pub fn mean_noise(&self) -> Option<SymmetricMatrix3> {
+        let weight = self.weight();
+        (weight > 0.0).then(|| self.noise() * (1.0 / weight))
+    }
+
     /// `E = Σ w² ε²`, per axis: the diagonal of [`noise`](Self::noise).
     #[inline]
     pub fn error(&self) -> [f64; 3] {
