@@ -123,29 +123,30 @@ pub fn segment(
     settings: &Settings,
 ) -> Result<Segmentation, RegionsError> {
     points.check(cells.len())?;
+    settings.validate()?;
+    let field = Field::of(cells, edge)?;
     let samples = samples_of(points);
     let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let known = points.cells.iter().flatten().count();
-    Ok(by_points(find(cells, edge, known as u64, of_cell, settings)?, points))
+    Ok(by_points(find(field, known as u64, of_cell, settings)?, points))
 }
 
-/// Finds the planes of a scene without its points: from the sums of cells, as for [`segment`], and a sample of the points of each. Points
-/// are labelled afterwards, with [`Found::labeller`].
+/// Finds the planes of a scene without its points: from the [sums of cells](Field), and a sample of the points of each. Points are
+/// labelled afterwards, with [`Found::labeller`].
 ///
 /// `points` is the number of all points, `samples` gives some places of a cell's points from the anchor of its sums, in metres: see
 /// [`Samples`](crate::Samples).
 ///
 /// # Errors
-/// As [`segment`].
+/// [`RegionsError::Setting`] for a setting out of its range.
 pub fn find<'s>(
-    cells: &[Cell],
-    edge: f64,
+    mut field: Field,
     points: u64,
     samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
     settings: &Settings,
 ) -> Result<Found, RegionsError> {
     settings.validate()?;
-    let mut field = Field::of(cells, edge)?;
+    field.begin_growth();
     let (mut grown, noise) = grow_as_noise_allows(&field, settings);
     field.end_growth();
     let narrowest = NARROWEST * field.coarse_edge();
@@ -294,23 +295,24 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Nois
     let growth = |noise: Noise, spread: f64| Growth { noise, spread, without: settings.leave_out };
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(&mut arounds, growth(stated, 0.0));
-        if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {
+        if usual_chi_squared(strict.iter()) <= TRUSTED || !settings.takes(Step::Bent) {
             return (strict, stated);
         }
     }
     let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
-    let mut first = grow(&mut arounds, growth(stated, SPREAD));
-    first.retain(|region| is_sure(field, stated, region, tilt));
-    let scale = usual_chi_squared(&first).clamp(1.0, MOST_SCALE);
+    let first = grow(&mut arounds, growth(stated, SPREAD));
+    let sure: Vec<&Grown> = first.iter().filter(|region| is_sure(field, stated, region, tilt)).collect();
+    let scale = usual_chi_squared(sure).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };
-    let grown = grow(&mut arounds, growth(noise, SPREAD));
+    // With errors as stated they would be the same again.
+    let grown = if scale > 1.0 { grow(&mut arounds, growth(noise, SPREAD)) } else { first };
     (grow_again(&mut arounds, growth(noise, SPREAD), grown, tilt), noise)
 }
 
 /// That of the region which has half of the points on smoother ones.
-fn usual_chi_squared(regions: &[Grown]) -> f64 {
+fn usual_chi_squared<'g>(regions: impl IntoIterator<Item = &'g Grown>) -> f64 {
     let mut seen: Vec<(f64, f64)> =
-        regions.iter().map(|r| (r.fitted.reduced_chi_squared, r.fitted.points())).collect();
+        regions.into_iter().map(|r| (r.fitted.reduced_chi_squared, r.fitted.points())).collect();
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = seen.iter().map(|(_, points)| points).sum::<f64>() / 2.0;
     let mut sum = 0.0;

@@ -8,7 +8,7 @@ mod streamed;
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Found, Labeller, Measure, Region, find};
+use terrace_regions::{Field, Found, Labeller, Measure, Region, find};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -104,20 +104,27 @@ impl<'m> Grown<'m> {
         let floor = mapper.params().estimate.unwrap_or_default().floor;
         let mut errors = Errors::of(mapper, &nodes, floor);
         let mut fine = Fine::of(cells, coarse);
-        if !nodes.know_errors() {
-            fine.find_errors(&mut errors);
-        }
-        let samples = |place: usize| fine.number(place).map_or(&[][..], |number| mapper.samples().of(number));
-        let settings_of_find = settings.settings(nodes.know_errors() && settings.errors_are_complete);
+        let known = nodes.know_errors();
+        let settings_of_find = settings.settings(known && settings.errors_are_complete);
         let points = fine.cells.iter().map(|cell| cell.stats.count()).sum();
+        let find = || {
+            let mut field = Field::of(&fine.cells, cells.cell_size())?;
+            if !known {
+                fine.find_errors(&mut field, &mut errors)?;
+            }
+            // They have said what they know.
+            fine.cells = Vec::new();
+            let number = |place: usize| fine.number(place);
+            find(
+                field,
+                points,
+                |place| number(place).map_or(&[], |cell| mapper.samples().of(cell)),
+                &settings_of_find,
+            )
+        };
         // Regions grow one after the other: what does not need them has the other threads.
-        let (found, ()) = rayon::join(
-            || find(&fine.cells, cells.cell_size(), points, samples, &settings_of_find),
-            || nodes.find_normals(mapper.params()),
-        );
+        let (found, ()) = rayon::join(find, || nodes.find_normals(mapper.params()));
         let found = found?;
-        // They have said what they know.
-        fine.cells = Vec::new();
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
