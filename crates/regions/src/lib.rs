@@ -98,7 +98,7 @@ pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labels::{Labeller, Measure, Points};
 pub use samples::Samples;
-pub use segment::{Found, Region, Segmentation, Share, find, segment};
+pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
 
 /// The examples of the README are tests.

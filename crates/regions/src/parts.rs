@@ -1,5 +1,7 @@
 //! Regions that fall into parts.
 
+use rayon::prelude::*;
+
 use crate::field::Field;
 use crate::labels::Piece;
 use crate::level::Level;
@@ -9,6 +11,9 @@ const HANG_TOGETHER: f64 = 0.85;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
+
+/// Groups that are handed to a thread at once.
+const AT_ONCE: usize = 1024;
 
 /// The pieces of one region, group by group of a level.
 struct Groups {
@@ -47,17 +52,17 @@ pub(crate) fn take_apart(
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
     let mut from: Vec<u32> = Vec::new();
     let apart = field.levels.iter().find_map(|level| {
-        let mut marks = vec![None; level.len()];
         let all = |group: usize| level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
-        let held: Vec<f64> = (0..level.len()).map(all).collect();
-        let found: Vec<(Groups, Parts)> = of_region
-            .iter()
-            .map(|of| {
+        let held: Vec<f64> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(all).collect();
+        let found = of_region.par_iter().map_init(
+            || vec![None; level.len()],
+            |marks, of| {
                 let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at]));
-                let parts = groups.parts(level, &mut marks);
+                let parts = groups.parts(level, marks);
                 (groups, parts)
-            })
-            .collect();
+            },
+        );
+        let found: Vec<(Groups, Parts)> = found.collect();
         let largest: u64 = found.iter().filter_map(|(_, parts)| parts.points.first()).sum();
         let all: u64 = found.iter().flat_map(|(_, parts)| &parts.points).sum();
         (largest as f64 >= HANG_TOGETHER * all as f64).then_some((level, found))
