@@ -60,7 +60,7 @@ impl Sums {
 }
 
 /// What the errors of points are taken to be.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
     /// Times what is stated, in m²/m².
     pub(crate) scale: f64,

@@ -7,11 +7,12 @@ use rayon::prelude::*;
 use terrace_stats::{Stats, SymmetricMatrix3};
 
 use crate::anchored::Anchored;
-use crate::around::{Bounded, Turned};
+use crate::around::Bounded;
 use crate::cell::{Noise, Sums};
 use crate::flat::Fitted;
 use crate::level::{Level, along_curve};
 use crate::sum::Sum;
+use crate::turned::Turned;
 use crate::{Cell, RegionsError};
 
 /// Resolutions: that of the cells, and coarser ones, each with twice the edge of the one before.

@@ -91,6 +91,7 @@ mod segment;
 mod settings;
 mod sum;
 mod surface;
+mod turned;
 
 pub use bend::{Bend, Column};
 pub use cell::Cell;
