@@ -204,9 +204,18 @@ impl Bounds {
             root -= at(root) / slope(root);
         }
         let slack = ROUNDING * trace;
-        let (low, high) = ((root - slack).max(0.0), root * CLOSE + slack);
         // Of what rounding leaves of numbers of this size it is far more.
-        let passed = high < trace / 3.0 && at(high) > slack * slack * trace;
+        let is_passed = |high: f64| high < trace / 3.0 && at(high) > slack * slack * trace;
+        let mut high = root * CLOSE + slack;
+        // What is thick takes longer.
+        for _ in STEPS..MOST_STEPS {
+            if is_passed(high) {
+                break;
+            }
+            root -= at(root) / slope(root);
+            high = root * CLOSE + slack;
+        }
+        let (low, passed) = ((root - slack).max(0.0), is_passed(high));
         let wide = minors - high * (trace - high) > NARROW * trace * trace;
         if !(passed && wide) {
             return Self { least: [0.0, trace], middle: [0.0, 0.5 * trace], most: trace / 3.0 };
@@ -221,8 +230,9 @@ impl Bounds {
     }
 }
 
-/// Newton's steps, and how much above the last the root is at most, as a share.
+/// Newton's steps, those at most, and how much above the last the root is at most, as a share.
 const STEPS: usize = 3;
+const MOST_STEPS: usize = 10;
 const CLOSE: f64 = 1.0 + 1e-6;
 /// Of what is narrower, the middle eigenvalue as a share of the trace, the coefficients of the polynomial tell too little.
 const NARROW: f64 = 1e-5;
