@@ -12,7 +12,7 @@ use std::num::NonZeroU32;
 use terrace::choose_cell_size;
 use terrace_benches::Usage;
 use terrace_grid::{CellId, PointErrors, VoxelGrid};
-use terrace_regions::{Cell, Samples, Settings, find};
+use terrace_regions::{Cell, Field, Samples, Settings, find};
 use terrace_synth::Scene;
 use terrace_types::{Frame, Sigma};
 
@@ -97,7 +97,7 @@ fn profile(points: usize) -> Outcome<()> {
             grid.founded().map(|cell| Cell { key: cell.key(), stats: cell.stats() }).collect();
         done(&mut best)?;
         let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
-        let found = find(&fine, grid.cell_size(), points as u64, of_cell, &Settings::default())?;
+        let found = find(Field::of(&fine, grid.cell_size())?, points as u64, of_cell, &Settings::default())?;
         done(&mut best)?;
         let mut labels: Vec<Option<NonZeroU32>> = vec![None; points];
         let mut rest = &mut labels[..];

@@ -7,7 +7,7 @@ use terrace_cluster::Grower;
 use terrace_depth::{Camera, PlaneFinder};
 use terrace_grid::{CellId, DenseCells, PointErrors, VoxelGrid, Walk};
 use terrace_normals::{UncertainNormal, estimate, fit_plane, symmetric_eigen_batch};
-use terrace_regions::{Cell, Found, Samples, Settings, find};
+use terrace_regions::{Cell, Field, Found, Samples, Settings, find};
 use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
 use terrace_synth::Scene;
 
@@ -140,7 +140,12 @@ impl Gridded {
 
     fn found(&self, fine: &[Cell], samples: &Samples) -> Outcome<Found> {
         let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
-        Ok(find(fine, self.grid.cell_size(), self.cells.len() as u64, of_cell, &Settings::default())?)
+        Ok(find(
+            Field::of(fine, self.grid.cell_size())?,
+            self.cells.len() as u64,
+            of_cell,
+            &Settings::default(),
+        )?)
     }
 
     fn fine(&self) -> Vec<Cell> {

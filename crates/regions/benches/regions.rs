@@ -10,7 +10,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_regions::{Cell, Points, Samples, Settings, find, segment, sums_around};
+use terrace_regions::{Cell, Field, Points, Samples, Settings, find, segment};
 use terrace_stats::{Stats, UncertainVector};
 
 const SIGMA: f64 = 0.01;
@@ -73,10 +73,11 @@ fn regions(c: &mut Criterion) {
     let found = at_once(points);
     println!("{} points in {} cells: {} planes", places.len(), cells.len(), found.regions.len());
 
+    let field = || Field::of(black_box(&cells), EDGE).unwrap();
     let mut group = c.benchmark_group("room");
     group.sample_size(20);
     group.bench_function("segment", |b| b.iter(|| at_once(black_box(points))));
-    group.bench_function("sums around cells", |b| b.iter(|| sums_around(black_box(&cells))));
+    group.bench_function("sums around cells", |b| b.iter(|| field().sums_around(|_, sums| *sums)));
 
     let sampled = || {
         let mut samples = Samples::default();
@@ -86,7 +87,7 @@ fn regions(c: &mut Criterion) {
     let samples = sampled();
     let planes = || {
         let of_cell = |cell: usize| samples.of(cell as u32);
-        find(&cells, EDGE, places.len() as u64, of_cell, &Settings::default()).unwrap()
+        find(field(), places.len() as u64, of_cell, &Settings::default()).unwrap()
     };
     group.bench_function("find", |b| b.iter(planes));
     let labeller = planes().labeller;

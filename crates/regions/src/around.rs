@@ -1,20 +1,23 @@
 //! The planes around groups of cells, fitted when they are asked for.
 
+use rayon::prelude::*;
 use terrace_stats::Stats;
 
 use crate::cell::Noise;
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::sum::Sum;
+use crate::turned::Limited;
 
 /// A neighbourhood with fewer points says too little.
-const FEWEST: f64 = 8.0;
+pub(crate) const FEWEST: f64 = 8.0;
 /// Points that scatter by less than this across their longer direction, in units of the variance of their errors, are a row.
-const ROW: f64 = 2.0;
+pub(crate) const ROW: f64 = 2.0;
 /// Rounding of a bound, as a share of it.
-const ROUNDING: f64 = 1e-9;
-/// The same of numbers in single precision, as a share of the trace.
-const ROUNDING_SINGLE: f64 = 1e-6;
+pub(crate) const ROUNDING: f64 = 1e-9;
+
+/// Cells that are handed to a thread at once.
+const AT_ONCE: usize = 1024;
 
 /// The plane of a neighbourhood.
 #[derive(Debug, Clone)]
@@ -34,16 +37,35 @@ pub(crate) struct Arounds<'f> {
     /// By level and group: 0 while it is not known, else one more than the place of what was found.
     known: Vec<Vec<u32>>,
     found: Vec<Option<Around>>,
+    /// How far the surface around each cell may be turned, where points have these errors.
+    limited: (Option<Noise>, Vec<Limited>),
 }
 
 impl<'f> Arounds<'f> {
     pub(crate) fn of(field: &'f Field) -> Self {
         let known = field.levels.iter().map(|level| vec![0; level.len()]).collect();
-        Self { field, known, found: Vec::new() }
+        Self { field, known, found: Vec::new(), limited: (None, Vec::new()) }
     }
 
     pub(crate) fn field(&self) -> &'f Field {
         self.field
+    }
+
+    /// Takes the errors of points to be so, and surfaces to be along a plane that are turned by no more than an angle in radians and so many
+    /// standard errors.
+    pub(crate) fn limit(&mut self, noise: Noise, turned: f64, errors: f64) {
+        if self.limited.0 != Some(noise) {
+            let (Some(bounded), edge) = (self.field.bounded.first(), self.field.edge) else { return };
+            let cells = bounded.par_iter().zip(&self.field.turned).with_min_len(AT_ONCE);
+            let limited = cells.map(|(bounded, around)| around.limited(bounded, noise, edge, turned, errors));
+            self.limited = (Some(noise), limited.collect());
+        }
+    }
+
+    /// How far the surface around a cell may be turned.
+    #[inline]
+    pub(crate) fn limited(&self, cell: usize) -> &Limited {
+        &self.limited.1[cell]
     }
 
     /// The plane of the points of a group and of those it touches; `None` when they determine none.
@@ -108,10 +130,10 @@ fn allowed(chi_squared: f64, points: f64) -> f64 {
 /// What the sums of a neighbourhood tell of the plane through its points without a fit: nearly all are told by it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounded {
-    points: f64,
+    pub(crate) points: f64,
     /// Bounds of the eigenvalues of the scatter: of the least from below, of the middle from above, of the largest from below, in m².
-    least: f64,
-    middle: f64,
+    pub(crate) least: f64,
+    pub(crate) middle: f64,
     most: f64,
     /// Bounds of the variance of errors along any direction, as stated, in m².
     lowest: f64,
@@ -135,6 +157,11 @@ impl Bounded {
         }
     }
 
+    /// Bounds of the variance of errors along any direction, in m².
+    pub(crate) fn variances(&self, noise: Noise) -> [f64; 2] {
+        [self.lowest, self.highest].map(|v| (noise.scale * v).max(noise.floor))
+    }
+
     /// A bound from below of the tilt of the plane through the points; `None` when it is no seed for sure, or they are too few: not
     /// flat, narrower than a share of their length, or a row.
     pub(crate) fn least_tilt(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> Option<f64> {
@@ -143,7 +170,7 @@ impl Bounded {
             return None;
         }
         let thickness = least * points / (points - 3.0);
-        let [lowest, highest] = [self.lowest, self.highest].map(|v| (noise.scale * v).max(noise.floor));
+        let [lowest, highest] = self.variances(noise);
         let across = middle * (1.0 + ROUNDING);
         if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * highest
             || across < narrowest * most * (1.0 - ROUNDING)
@@ -157,45 +184,10 @@ impl Bounded {
     }
 }
 
-/// How the plane through some points may be turned, in single precision and units of a cell: small, for it is looked at again and
-/// again.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Turned {
-    scatter: [f32; 6],
-    /// Bounds from below of the least and the middle eigenvalue of that.
-    least: f32,
-    middle: f32,
-}
-
-impl Turned {
-    /// Of points with these sums, for cells with an edge in metres.
-    pub(crate) fn of(sum: &Sum, edge: f64) -> Self {
-        let scatter = sum.covariance().map(|c| c / (edge * edge));
-        let Bounds { least, middle, .. } = Bounds::of(&scatter);
-        // Rounding is allowed for where they are compared.
-        #[allow(clippy::cast_possible_truncation)]
-        Self { scatter: scatter.map(|c| c as f32), least: least[0] as f32, middle: middle[0] as f32 }
-    }
-
-    /// Whether the plane through the points is turned by less than an angle against another for sure, by the sine squared.
-    ///
-    /// With eigenvalues λ₀ ≤ λ₁ ≤ λ₂ of the scatter C any unit vector n at the angle θ from the first eigenvector has
-    /// nᵀCn ≥ λ₀ + (λ₁ − λ₀) sin²θ.
-    pub(crate) fn is_along(&self, plane: &Flat, sine_squared: f64) -> bool {
-        let c = self.scatter.map(f64::from);
-        let [x, y, z] = plane.normal.to_array();
-        let off =
-            c[0] * x * x + c[3] * y * y + c[5] * z * z + 2.0 * (c[1] * x * y + c[2] * x * z + c[4] * y * z);
-        let (least, middle) = (f64::from(self.least), f64::from(self.middle));
-        let slack = ROUNDING_SINGLE * (c[0] + c[3] + c[5]);
-        off - least + slack < sine_squared * (middle - least)
-    }
-}
-
 /// Bounds of the eigenvalues of a scatter: the least and the middle one from below and above, the largest from below.
-struct Bounds {
-    least: [f64; 2],
-    middle: [f64; 2],
+pub(crate) struct Bounds {
+    pub(crate) least: [f64; 2],
+    pub(crate) middle: [f64; 2],
     most: f64,
 }
 
@@ -203,7 +195,7 @@ impl Bounds {
     /// By the characteristic polynomial p(λ) = λ³ − t λ² + m λ − d, of trace, principal minors and determinant. Below the least root
     /// it rises and is concave, so that Newton's steps from 0 end below it; just above them it is looked at whether the root was
     /// passed. The other two have a known sum and product then. Where rounding does not tell, bounds are wide.
-    fn of(c: &[f64; 6]) -> Self {
+    pub(crate) fn of(c: &[f64; 6]) -> Self {
         let (trace, minors, determinant) = invariants(c);
         let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
         let slope = |x: f64| (3.0 * x - 2.0 * trace) * x + minors;
@@ -212,9 +204,18 @@ impl Bounds {
             root -= at(root) / slope(root);
         }
         let slack = ROUNDING * trace;
-        let (low, high) = ((root - slack).max(0.0), root * CLOSE + slack);
         // Of what rounding leaves of numbers of this size it is far more.
-        let passed = high < trace / 3.0 && at(high) > slack * slack * trace;
+        let is_passed = |high: f64| high < trace / 3.0 && at(high) > slack * slack * trace;
+        let mut high = root * CLOSE + slack;
+        // What is thick takes longer.
+        for _ in STEPS..MOST_STEPS {
+            if is_passed(high) {
+                break;
+            }
+            root -= at(root) / slope(root);
+            high = root * CLOSE + slack;
+        }
+        let (low, passed) = ((root - slack).max(0.0), is_passed(high));
         let wide = minors - high * (trace - high) > NARROW * trace * trace;
         if !(passed && wide) {
             return Self { least: [0.0, trace], middle: [0.0, 0.5 * trace], most: trace / 3.0 };
@@ -229,8 +230,9 @@ impl Bounds {
     }
 }
 
-/// Newton's steps, and how much above the last the root is at most, as a share.
+/// Newton's steps, those at most, and how much above the last the root is at most, as a share.
 const STEPS: usize = 3;
+const MOST_STEPS: usize = 10;
 const CLOSE: f64 = 1.0 + 1e-6;
 /// Of what is narrower, the middle eigenvalue as a share of the trace, the coefficients of the polynomial tell too little.
 const NARROW: f64 = 1e-5;
@@ -244,6 +246,7 @@ fn invariants([xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> (f64, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::turned::Turned;
     use glam::DVec3;
     use proptest::prelude::*;
     use terrace_normals::symmetric_eigen;
@@ -286,9 +289,9 @@ mod tests {
             let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
             let plane = Flat { normal, point: DVec3::ZERO };
             if let Some(around) = &around {
-                if Turned::of(&sum, 0.5).is_along(&plane, 0.3_f64.sin().powi(2)) {
-                    prop_assert!(plane.angle(&around.plane) <= 0.3 * (1.0 + 1e-6));
-                }
+                let limited = Turned::of(&sum, 0.5).limited(&Bounded::of(&sum), NOISE, 0.5, 0.3, 3.0);
+                let is_along = around.is_row(NOISE) || plane.angle(&around.plane) <= 0.3 + 3.0 * around.tilt(NOISE);
+                prop_assert!(limited.is_along(&plane).is_none_or(|told| told == is_along), "{limited:?}");
                 match Bounded::of(&sum).least_tilt(NOISE, 2.0, 0.1) {
                     Some(tilt) => prop_assert!(tilt <= around.tilt(NOISE)),
                     None => prop_assert!(!around.is_flat(NOISE, 2.0, 0.1)),

@@ -25,6 +25,14 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
+    /// Of no points.
+    pub(crate) const NOTHING: Self = Self {
+        points: 0.0,
+        mean: DVec3::ZERO,
+        scatter: SymmetricMatrix3::ZERO,
+        noise: SymmetricMatrix3::ZERO,
+    };
+
     /// `None` without a point, or when the sums are not finite.
     pub(crate) fn of(stats: &Stats) -> Option<Self> {
         let (moments, mean) = (stats.moments(), DVec3::from(stats.mean()?));
@@ -32,6 +40,11 @@ impl Sums {
         let finite = mean.is_finite() && moments.second().is_finite() && moments.noise().is_finite();
         let scatter = stats.covariance()?;
         finite.then(|| Self { points, mean, scatter, noise: moments.noise() * (1.0 / points) })
+    }
+
+    /// Takes other errors: the sum of their covariances.
+    pub(crate) fn set_noise(&mut self, noise: SymmetricMatrix3) {
+        self.noise = noise * (1.0 / self.points);
     }
 
     /// Mean squared distance of the points from a plane, in m².
@@ -47,7 +60,7 @@ impl Sums {
 }
 
 /// What the errors of points are taken to be.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
     /// Times what is stated, in m²/m².
     pub(crate) scale: f64,

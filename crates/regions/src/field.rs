@@ -1,29 +1,47 @@
 //! All that is known of the cells before a region is grown.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::DVec3;
 use rayon::prelude::*;
-use terrace_stats::Stats;
+use terrace_stats::{Stats, SymmetricMatrix3};
 
-use crate::around::{Bounded, Turned};
+use crate::anchored::Anchored;
+use crate::around::Bounded;
 use crate::cell::{Noise, Sums};
 use crate::flat::Fitted;
 use crate::level::{Level, along_curve};
 use crate::sum::Sum;
+use crate::turned::Turned;
 use crate::{Cell, RegionsError};
 
 /// Resolutions: that of the cells, and coarser ones, each with twice the edge of the one before.
 pub(crate) const LEVELS: u32 = 4;
 /// The level whose groups are as large as noise and spacing suggest for a cell.
 pub(crate) const COARSE: usize = 1;
-/// Cells within cubes of 2ᵏ cells have their sums about one anchor: near enough that squares lose nothing, and so large that few
-/// neighbours are in another.
-const CUBE: u32 = 6;
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
 
-/// The cells along a space-filling curve, at several resolutions, and the sums around each group.
+/// Cells along a space-filling curve, at several resolutions: what [`find`](crate::find) goes out from. Made once, it is asked how points
+/// scatter around each cell, where their errors are not known, and takes those that are found so.
+///
+/// ```
+/// use terrace_regions::{Cell, Field};
+/// use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
+///
+/// // Two cells that touch, of three points each, and one far away.
+/// let cells = [0, 1, 5].map(|x| {
+///     let mut stats = Stats::new([f64::from(x) + 0.5, 0.5, 0.5]);
+///     (0..3).for_each(|k| stats.push(&UncertainVector::exact([f64::from(x) + 0.3 * f64::from(k), 0.1, 0.2])));
+///     Cell { key: [x, 0, 0], stats }
+/// });
+/// let mut field = Field::of(&cells, 1.0)?;
+/// assert_eq!(field.sums_around(|_, sums| sums.count()), [6, 6, 3]);
+/// field.set_noise(|_| SymmetricMatrix3::diagonal([3e-4; 3]))?;
+/// # Ok::<(), terrace_regions::RegionsError>(())
+/// ```
 #[derive(Debug)]
-pub(crate) struct Field {
+pub struct Field {
     /// The place of each among the given cells.
     pub(crate) order: Vec<u32>,
     pub(crate) cells: Vec<Sums>,
@@ -33,57 +51,105 @@ pub(crate) struct Field {
     pub(crate) levels: Vec<Level>,
     middles: Vec<[f32; 3]>,
     anchored: Anchored,
-    /// By level and group, what the sums of a group and of those it touches tell of the plane through them.
+    /// By level and group, what the sums of a group and of those it touches tell of the plane through them; while regions grow.
     pub(crate) bounded: Vec<Vec<Bounded>>,
-    /// How the surface around each cell may be turned.
+    /// How the surface around each cell may be turned, likewise.
     pub(crate) turned: Vec<Turned>,
     /// The edge of a cell, in metres.
     pub(crate) edge: f64,
 }
 
-/// The sums of cells, about the anchor of the cube that each is in.
-#[derive(Debug)]
-struct Anchored {
-    sums: Vec<Sum>,
-    cube_of: Vec<u32>,
-    anchors: Vec<DVec3>,
-}
-
 impl Field {
+    /// Of cells with an edge in metres, of different keys.
+    ///
     /// # Errors
-    /// [`RegionsError`] for a cell without points or whose sums are not finite, and for more cells than are numbered.
-    pub(crate) fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
+    /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells of one key,
+    /// and for more cells than are numbered.
+    pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
         if u32::try_from(cells.len()).is_err() {
             return Err(RegionsError::TooMany { cells: cells.len() });
         }
-        let (order, levels, anchored) = laid_out(cells);
-        // Room for all at once: a list that grows is moved again and again.
-        let mut sums = Vec::with_capacity(cells.len());
-        sums.extend(order.iter().filter_map(|at| Sums::of(&cells[*at as usize].stats)));
-        if sums.len() < cells.len() {
+        let (along, order) = along_curve(cells.len(), |at| cells[at].key);
+        let stats = |cell: usize| &cells[order[cell] as usize].stats;
+        let mut anchored = Anchored::cubes(&along, |cell| stats(cell).anchor().into());
+        let strange = AtomicBool::new(false);
+        // Each cell is looked at once: they are not in the order of the curve.
+        let of_cell = |cell: usize| {
+            let stats = stats(cell);
+            let sums = Sums::of(stats).unwrap_or_else(|| {
+                strange.store(true, Ordering::Relaxed);
+                Sums::NOTHING
+            });
+            let anchor = DVec3::from(stats.anchor());
+            // In single precision, as places of points are.
+            #[allow(clippy::cast_possible_truncation)]
+            let middle = (sums.mean - anchor).to_array().map(|x| x as f32);
+            ((sums, anchored.sum(cell, stats)), (anchor, (middle, cells[order[cell] as usize].key)))
+        };
+        let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
+        let (levels, ((sums, about), (anchors, (middles, keys)))): (_, ((_, _), (_, (_, Vec<[i32; 3]>)))) =
+            rayon::join(|| Level::all(&along, LEVELS), of_cells);
+        if strange.into_inner() {
             let cell = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()).unwrap_or(0);
             return Err(RegionsError::Cell { cell });
         }
-        let keys: Vec<[i32; 3]> = order.iter().map(|at| cells[*at as usize].key).collect();
         let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if twice > 0 {
             return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
         }
-        // In single precision, as places of points are.
-        #[allow(clippy::cast_possible_truncation)]
-        let middle = |(of, anchor): (&Sums, &DVec3)| (of.mean - anchor).to_array().map(|x| x as f32);
-        let anchors: Vec<DVec3> = order.iter().map(|at| cells[*at as usize].stats.anchor().into()).collect();
-        let middles = sums.iter().zip(&anchors).map(middle).collect();
-        let bounded: Vec<Vec<Bounded>> =
-            levels.iter().skip(1).map(|level| anchored.around(level, |sum| Bounded::of(&sum))).collect();
-        let of_cells = |level| anchored.around(level, |sum| (Bounded::of(&sum), Turned::of(&sum, edge)));
-        let (finest, turned): (Vec<Bounded>, Vec<Turned>) =
-            levels.first().map(of_cells).unwrap_or_default().into_iter().unzip();
-        let bounded = std::iter::once(finest).chain(bounded).collect();
-        Ok(Self { order, anchors, turned, bounded, cells: sums, keys, levels, middles, anchored, edge })
+        anchored.sums = about;
+        let (bounded, turned) = (Vec::new(), Vec::new());
+        Ok(Self { order, cells: sums, anchors, keys, levels, middles, anchored, bounded, turned, edge })
+    }
+
+    /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the up to
+    /// 26 cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
+    pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
+        let Some(level) = self.levels.first() else { return Vec::new() };
+        let of_cell = |cell: usize, sum: Sum| {
+            // Cells are numbered with 32 bits.
+            let rank = u32::try_from(cell).unwrap_or(u32::MAX);
+            let sums = sum.stats(self.anchored.anchor_of(rank)).with_anchor(self.anchors[cell].to_array());
+            ask(self.order[cell] as usize, &sums)
+        };
+        let found: Vec<T> = self.anchored.around_cells(level, of_cell).collect();
+        let mut ranks: Vec<u32> = vec![0; self.order.len()];
+        for (rank, given) in (0..).zip(&self.order) {
+            ranks[*given as usize] = rank;
+        }
+        ranks.iter().map(|rank| found[*rank as usize]).collect()
+    }
+
+    /// Takes other errors of points: `noise` tells the sum of their covariances in a cell, by its place among those that were given.
+    ///
+    /// # Errors
+    /// [`RegionsError::Cell`] when that is not finite.
+    pub fn set_noise(
+        &mut self,
+        noise: impl Fn(usize) -> SymmetricMatrix3 + Sync,
+    ) -> Result<(), RegionsError> {
+        let Self { order, cells, anchored, .. } = self;
+        let of_each = cells.par_iter_mut().zip(&mut anchored.sums).zip(&*order).with_min_len(AT_ONCE);
+        let strange = of_each.filter_map(|((sums, sum), given)| {
+            let noise = noise(*given as usize);
+            sums.set_noise(noise);
+            sum.set_noise(&noise);
+            (!noise.is_finite()).then_some(*given as usize)
+        });
+        strange.min().map_or(Ok(()), |cell| Err(RegionsError::Cell { cell }))
+    }
+
+    /// Finds what only growth asks for.
+    pub(crate) fn begin_growth(&mut self) {
+        let Some((cells, coarser)) = self.levels.split_first() else { return };
+        let of_cell = |_: usize, sum: Sum| (Bounded::of(&sum), Turned::of(&sum, self.edge));
+        let (finest, turned) = self.anchored.around_cells(cells, of_cell).unzip();
+        let bounded = coarser.iter().map(|level| self.anchored.around(level, |sum| Bounded::of(&sum)));
+        self.bounded = std::iter::once(finest).chain(bounded).collect();
+        self.turned = turned;
     }
 
     /// Forgets what only growth asks for: it is a good share of all that is known of a cell.
@@ -111,100 +177,5 @@ impl Field {
         let level = &self.levels[level];
         let sum = self.anchored.sum_around(level, group, |group| self.anchored.sum_of(level, group));
         sum.stats(self.anchored.anchor_of(level.cells(group).start))
-    }
-}
-
-/// For each cell the sums of its points and those of the up to 26 cells that share a face, an edge or a corner with it.
-/// The keys of cells are to be different.
-pub fn sums_around(cells: &[Cell]) -> Vec<Stats> {
-    let (order, levels, anchored) = laid_out(cells);
-    let mut sums: Vec<Stats> = cells.iter().map(|cell| cell.stats).collect();
-    if let Some(level) = levels.first() {
-        for ((rank, given), sum) in (0..).zip(&order).zip(anchored.around(level, |sum| sum)) {
-            let sums = &mut sums[*given as usize];
-            *sums = sum.stats(anchored.anchor_of(rank)).with_anchor(sums.anchor());
-        }
-    }
-    sums
-}
-
-fn laid_out(cells: &[Cell]) -> (Vec<u32>, Vec<Level>, Anchored) {
-    let keys: Vec<[i32; 3]> = cells.iter().map(|cell| cell.key).collect();
-    let (keys, order) = along_curve(&keys);
-    let anchored = Anchored::of(cells, &keys, &order);
-    (order, Level::all(&keys, LEVELS), anchored)
-}
-
-impl Anchored {
-    fn of(cells: &[Cell], keys: &[[u32; 3]], order: &[u32]) -> Self {
-        let (mut cube_of, mut anchors) = (Vec::with_capacity(order.len()), Vec::new());
-        let mut last: Option<[u32; 3]> = None;
-        for (key, at) in keys.iter().zip(order) {
-            let cube = key.map(|k| k >> CUBE);
-            if last != Some(cube) {
-                last = Some(cube);
-                anchors.push(DVec3::from(cells[*at as usize].stats.anchor()));
-            }
-            // Not more cubes than cells.
-            cube_of.push(u32::try_from(anchors.len() - 1).unwrap_or(u32::MAX));
-        }
-        let sum = |(at, cube): (&u32, &u32)| Sum::of(&cells[*at as usize].stats, anchors[*cube as usize]);
-        let sums = order.par_iter().zip(&cube_of).with_min_len(AT_ONCE).map(sum).collect();
-        Self { sums, cube_of, anchors }
-    }
-
-    fn anchor_of(&self, cell: u32) -> DVec3 {
-        self.anchors[self.cube_of[cell as usize] as usize]
-    }
-
-    fn sum_of(&self, level: &Level, group: usize) -> Sum {
-        let mut sum = Sum::ZERO;
-        level.cells(group).for_each(|cell| sum.add(&self.sums[cell as usize]));
-        sum
-    }
-
-    /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone.
-    fn sum_around(&self, level: &Level, group: usize, own: impl Fn(usize) -> Sum) -> Sum {
-        let cube = |group: usize| self.cube_of[level.cells(group).start as usize];
-        let (mut sum, here) = (own(group), cube(group));
-        for near in level.near(group) {
-            let there = cube(*near as usize);
-            if here == there {
-                sum.add(&own(*near as usize));
-            } else {
-                let apart = self.anchors[there as usize] - self.anchors[here as usize];
-                sum.add(&own(*near as usize).translated(apart));
-            }
-        }
-        sum
-    }
-
-    /// What is asked of the sums of each group of a level and of those it touches.
-    fn around<T: Send>(&self, level: &Level, ask: impl Fn(Sum) -> T + Sync) -> Vec<T> {
-        // Groups are within a cube; those of the finest level are the cells.
-        let summed: Vec<Sum>;
-        let own = if level.len() == self.sums.len() {
-            &self.sums
-        } else {
-            let groups = (0..level.len()).into_par_iter().with_min_len(AT_ONCE);
-            summed = groups.map(|group| self.sum_of(level, group)).collect();
-            &summed
-        };
-        let around = |group| ask(self.sum_around(level, group, |group| own[group]));
-        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
-    }
-
-    /// The sums of all of some cells, about the anchor of the first.
-    fn union(&self, cells: &[u32]) -> Option<Stats> {
-        let anchor = self.anchor_of(*cells.first()?);
-        let mut all = Sum::ZERO;
-        for of_cube in cells.chunk_by(|a, b| self.cube_of[*a as usize] == self.cube_of[*b as usize]) {
-            let mut sum = Sum::ZERO;
-            for cell in of_cube {
-                sum.add(&self.sums[*cell as usize]);
-            }
-            all.add(&sum.translated(self.anchor_of(of_cube[0]) - anchor));
-        }
-        Some(all.stats(anchor))
     }
 }

@@ -88,6 +88,7 @@ impl<'a, 'f> Growing<'a, 'f> {
     /// With all cells free.
     pub(crate) fn of(arounds: &'a mut Arounds<'f>, growth: Growth) -> Self {
         let field = arounds.field();
+        arounds.limit(growth.noise, TURNED, TURNED_ERRORS);
         let reached = field.levels.iter().map(|level| vec![0; level.len()]).collect();
         Self { field, growth, arounds, owned: vec![false; field.cells.len()], reached, clock: 0 }
     }
@@ -213,10 +214,11 @@ impl Growth {
         }
         // Nearly all cells are told by their sums.
         self.without == Some(Step::Normals)
-            || field.turned[cell].is_along(plane, TURNED.sin().powi(2))
-            || arounds.get(0, cell).is_none_or(|around| {
-                around.is_row(self.noise)
-                    || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)
+            || arounds.limited(cell).is_along(plane).unwrap_or_else(|| {
+                arounds.get(0, cell).is_none_or(|around| {
+                    around.is_row(self.noise)
+                        || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)
+                })
             })
     }
 }
@@ -271,6 +273,7 @@ mod tests {
                 < SLACK * 2.0 * NOISE.variance(&wall.cells[cell], flat(2).normal)
         );
         let mut arounds = Arounds::of(&wall);
+        arounds.limit(NOISE, TURNED, TURNED_ERRORS);
         let mut lies_on = |axis| STRICT.lies_on(&wall, &mut arounds, cell, &flat(axis), 0.0);
         assert!(lies_on(0) && !lies_on(2));
     }

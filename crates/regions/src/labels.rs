@@ -1,6 +1,7 @@
 //! Which region each point is of.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::RegionsError;
 use crate::field::Field;
@@ -36,6 +37,9 @@ impl Points<'_> {
     }
 }
 
+/// Cells that are handed to a thread at once.
+const AT_ONCE: usize = 1024;
+
 /// Points of a region in a cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
@@ -55,10 +59,27 @@ pub(crate) fn pieces<'s>(
     of_cells: &[OfCell],
     candidates: &[Option<Candidate>],
     reach: f64,
+    samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
+) -> Vec<Piece> {
+    let of_some = |(first, of_cells): (usize, &[OfCell])| {
+        // Cells are numbered with 32 bits.
+        let first = u32::try_from(first * AT_ONCE).unwrap_or(u32::MAX);
+        pieces_of_some(field, (first, of_cells), candidates, reach, &samples)
+    };
+    let pieces: Vec<Vec<Piece>> = of_cells.par_chunks(AT_ONCE).enumerate().map(of_some).collect();
+    pieces.concat()
+}
+
+/// Of some cells, and where they begin.
+fn pieces_of_some<'s>(
+    field: &Field,
+    (first, of_cells): (u32, &[OfCell]),
+    candidates: &[Option<Candidate>],
+    reach: f64,
     samples: impl Fn(usize) -> &'s [[f32; 3]],
 ) -> Vec<Piece> {
-    let mut pieces: Vec<Piece> = Vec::new();
-    for (cell, of) in (0_u32..).zip(of_cells) {
+    let mut pieces: Vec<Piece> = Vec::with_capacity(of_cells.len());
+    for (cell, of) in (first..).zip(of_cells) {
         let sums = &field.cells[cell as usize];
         let plane = |region: u32| Some(candidates[region as usize].as_ref()?.plane);
         let parts = of.parts.as_slice().iter().filter(|part| part.labelled > 0.0);

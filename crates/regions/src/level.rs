@@ -169,7 +169,8 @@ fn runs(keys: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
 
 /// Keys by the bits of all three in turn: the order of the curve that fills cubes of 2ˡ × 2ˡ × 2ˡ one after the other. Gives the keys
 /// from a corner of the largest cube in that order, and for each its place among the given ones.
-pub(crate) fn along_curve(keys: &[[i32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
+pub(crate) fn along_curve(cells: usize, key: impl Fn(usize) -> [i32; 3]) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let keys: Vec<[i32; 3]> = (0..cells).map(key).collect();
     let least = |axis: usize| keys.iter().map(|key| key[axis]).min().unwrap_or(0);
     // Cubes are those of the lattice, wherever the cells are.
     let corner = [0, 1, 2].map(|axis| least(axis) & !((1 << CUBE) - 1));
@@ -220,7 +221,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn levels(keys: &[[i32; 3]]) -> (Vec<Level>, Vec<u32>) {
-        let (sorted, order) = along_curve(keys);
+        let (sorted, order) = along_curve(keys.len(), |at| keys[at]);
         (Level::all(&sorted, 4), order)
     }
 

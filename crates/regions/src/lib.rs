@@ -68,6 +68,7 @@
 //! point or setting that contradicts the others. Nothing panics. At most 2³² − 1 cells and points.
 
 mod again;
+mod anchored;
 mod around;
 mod bend;
 mod cell;
@@ -90,14 +91,15 @@ mod segment;
 mod settings;
 mod sum;
 mod surface;
+mod turned;
 
 pub use bend::{Bend, Column};
 pub use cell::Cell;
 pub use error::{RegionsError, SampleError};
-pub use field::sums_around;
+pub use field::Field;
 pub use labels::{Labeller, Measure, Points};
 pub use samples::Samples;
-pub use segment::{Found, Region, Segmentation, Share, find, segment};
+pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
 
 /// The examples of the README are tests.

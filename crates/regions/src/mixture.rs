@@ -7,7 +7,7 @@ use crate::ends::Ends;
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::grow::Region;
-use crate::near::{Near, Nearby, Several};
+use crate::near::{Near, Nearby, Several, Within};
 use crate::{Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
@@ -418,20 +418,23 @@ impl Several {
         scores.resize(parts.len(), f32::INFINITY);
         let mut is_open = false;
         for place in places {
-            let (mut least, mut best, mut within) = (f32::INFINITY, None, 0);
+            match self.within(*place, reach) {
+                Within::None => continue,
+                Within::One(at) => {
+                    parts[at].labelled += each;
+                    parts[at].expected += each;
+                    continue;
+                }
+                Within::Several => {}
+            }
+            let (mut least, mut best) = (f32::INFINITY, 0);
             for ((at, near), score) in self.near.iter().enumerate().zip(&mut *scores) {
                 *score = self.score(near, *place, reach).unwrap_or(f32::INFINITY);
-                within += usize::from(*score < f32::INFINITY);
                 if *score < least {
-                    (least, best) = (*score, Some(at));
+                    (least, best) = (*score, at);
                 }
             }
-            let Some(best) = best else { continue };
             parts[best].labelled += each;
-            if within == 1 {
-                parts[best].expected += each;
-                continue;
-            }
             is_open = true;
             // In place of the scores.
             let mut all = 0.0;

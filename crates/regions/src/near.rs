@@ -40,7 +40,31 @@ impl Near {
     }
 }
 
+/// How many of several regions a point is within the reach of.
+pub(crate) enum Within {
+    None,
+    /// Its place among them.
+    One(usize),
+    Several,
+}
+
 impl Several {
+    /// Which of them a place is within the reach of: of most it is one, and then there is nothing to weigh.
+    #[inline]
+    pub(crate) fn within(&self, place: [f32; 3], reach: f32) -> Within {
+        let (mut count, mut last) = (0_u32, 0);
+        for (at, near) in self.near.iter().enumerate() {
+            let is_within = near.errors(place, reach).is_some();
+            count += u32::from(is_within);
+            last = if is_within { at } else { last };
+        }
+        match count {
+            0 => Within::None,
+            1 => Within::One(last),
+            _ => Within::Several,
+        }
+    }
+
     /// How probable it is that a point is of a region, as −2 ln and but for what is the same for all; `None` beyond the reach.
     #[inline]
     pub(crate) fn score(&self, near: &Near, place: [f32; 3], reach: f32) -> Option<f32> {

@@ -1,5 +1,7 @@
 //! Regions that fall into parts.
 
+use rayon::prelude::*;
+
 use crate::field::Field;
 use crate::labels::Piece;
 use crate::level::Level;
@@ -9,6 +11,9 @@ const HANG_TOGETHER: f64 = 0.85;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
+
+/// Groups that are handed to a thread at once.
+const AT_ONCE: usize = 1024;
 
 /// The pieces of one region, group by group of a level.
 struct Groups {
@@ -47,17 +52,17 @@ pub(crate) fn take_apart(
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
     let mut from: Vec<u32> = Vec::new();
     let apart = field.levels.iter().find_map(|level| {
-        let mut marks = vec![None; level.len()];
         let all = |group: usize| level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
-        let held: Vec<f64> = (0..level.len()).map(all).collect();
-        let found: Vec<(Groups, Parts)> = of_region
-            .iter()
-            .map(|of| {
+        let held: Vec<f64> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(all).collect();
+        let found = of_region.par_iter().map_init(
+            || vec![None; level.len()],
+            |marks, of| {
                 let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at]));
-                let parts = groups.parts(level, &mut marks);
+                let parts = groups.parts(level, marks);
                 (groups, parts)
-            })
-            .collect();
+            },
+        );
+        let found: Vec<(Groups, Parts)> = found.collect();
         let largest: u64 = found.iter().filter_map(|(_, parts)| parts.points.first()).sum();
         let all: u64 = found.iter().flat_map(|(_, parts)| &parts.points).sum();
         (largest as f64 >= HANG_TOGETHER * all as f64).then_some((level, found))
@@ -225,7 +230,7 @@ mod tests {
             level in 0..3_u32,
         ) {
             let cells: Vec<([i32; 3], u32)> = cells.into_iter().collect();
-            let (sorted, order) = along_curve(&cells.iter().map(|(key, _)| *key).collect::<Vec<_>>());
+            let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
             let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = order.iter().map(|at| cells[*at as usize]).unzip();
             let coarse = Level::all(&sorted, level + 1).pop().unwrap();
             let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
@@ -254,7 +259,7 @@ mod tests {
     fn groups_that_hold_much_else_lead_to_no_other_part() {
         // A row of nine cells, of which the fifth is half of something else, and a tenth apart.
         let keys: Vec<[u32; 3]> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12].map(|x| [x, 0, 0]).to_vec();
-        let (keys, _) = along_curve(&keys.iter().map(|k| k.map(u32::cast_signed)).collect::<Vec<_>>());
+        let (keys, _) = along_curve(keys.len(), |at| keys[at].map(u32::cast_signed));
         let level = Level::all(&keys, 1).pop().unwrap();
         let pieces: Vec<Piece> = (0..10).map(|cell| piece(cell, 10)).collect();
         let parts_of = |held: [f64; 10]| {

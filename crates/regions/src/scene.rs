@@ -32,5 +32,7 @@ pub(crate) fn field(points: &[[f64; 3]]) -> Field {
         stats.push(&UncertainVector::isotropic(*point, SIGMA));
     }
     let cells: Vec<Cell> = cells.into_iter().map(|(key, stats)| Cell { key, stats }).collect();
-    Field::of(&cells, EDGE).unwrap()
+    let mut field = Field::of(&cells, EDGE).unwrap();
+    field.begin_growth();
+    field
 }

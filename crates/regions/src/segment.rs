@@ -1,5 +1,7 @@
 //! From cells and points to planes and labels.
 
+use rayon::prelude::*;
+
 use crate::again::{grow_again, is_sure};
 use crate::around::Arounds;
 use crate::bend::Bend;
@@ -7,11 +9,11 @@ use crate::cell::Noise;
 use crate::exact::{by_points, samples_of};
 use crate::field::Field;
 use crate::flat::{Fitted, Flat};
-use crate::grow::{Growth, Region as Grown, grow};
+use crate::grow::{Growth, Region as Surface, grow};
 use crate::labels::{Labeller, Measure, Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
-use crate::surface::Surface;
+use crate::surface::Looks;
 use crate::{Cell, RegionsError, Settings, Step};
 
 /// Points are taken to be known no better than to this share of a coarser cell: what is smaller is not looked at as a shape.
@@ -123,112 +125,144 @@ pub fn segment(
     settings: &Settings,
 ) -> Result<Segmentation, RegionsError> {
     points.check(cells.len())?;
+    settings.validate()?;
+    let field = Field::of(cells, edge)?;
     let samples = samples_of(points);
     let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let known = points.cells.iter().flatten().count();
-    Ok(by_points(find(cells, edge, known as u64, of_cell, settings)?, points))
+    Ok(by_points(find(field, known as u64, of_cell, settings)?, points))
 }
 
-/// Finds the planes of a scene without its points: from the sums of cells, as for [`segment`], and a sample of the points of each. Points
-/// are labelled afterwards, with [`Found::labeller`].
+/// Finds the planes of a scene without its points: from the [sums of cells](Field), and a sample of the points of each. Points are
+/// labelled afterwards, with [`Found::labeller`].
 ///
 /// `points` is the number of all points, `samples` gives some places of a cell's points from the anchor of its sums, in metres: see
 /// [`Samples`](crate::Samples).
 ///
 /// # Errors
-/// As [`segment`].
+/// [`RegionsError::Setting`] for a setting out of its range.
 pub fn find<'s>(
-    cells: &[Cell],
-    edge: f64,
+    field: Field,
     points: u64,
     samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
     settings: &Settings,
 ) -> Result<Found, RegionsError> {
-    settings.validate()?;
-    let mut field = Field::of(cells, edge)?;
-    let (mut grown, noise) = grow_as_noise_allows(&field, settings);
-    field.end_growth();
-    let narrowest = NARROWEST * field.coarse_edge();
-    grown.retain(|region| {
-        let [_, across, _] = region.fitted.fit.variances;
-        // A strip of the width w scatters by w² / 12.
-        !settings.takes(Step::Certain)
-            || region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
-    });
-    let fewest = (SHARE_OF_POINTS * points as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
-    let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
-    let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
-    let samples = |cell: usize| samples(field.order[cell] as usize);
-    let mixture = Mixture { field: &field, noise, samples, settings, fewest };
-    let (of_cells, candidates) = mixture.solve(&grown);
-    let mut pieces = pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.places(cell));
+    Ok(Grown::of(field, settings)?.find(points, samples))
+}
 
-    let (numbers, from) = take_apart(
-        &field,
-        &pieces,
-        grown.len(),
-        PART * fewest,
-        if settings.takes(Step::Parts) { SHARE_OF_PART } else { f64::INFINITY },
-    );
-    let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
-    for (piece, number) in pieces.iter_mut().zip(numbers) {
-        piece.region = number;
+/// Regions as they were grown, before samples of points are looked at. [`find`] is both steps: the first grows regions one after the
+/// other, on one thread, and leaves others to what does not need it; the second works on all.
+#[derive(Debug)]
+pub struct Grown {
+    field: Field,
+    regions: Vec<Surface>,
+    noise: Noise,
+    settings: Settings,
+}
+
+impl Grown {
+    /// Grows regions over cells.
+    ///
+    /// # Errors
+    /// [`RegionsError::Setting`] for a setting out of its range.
+    pub fn of(mut field: Field, settings: &Settings) -> Result<Self, RegionsError> {
+        settings.validate()?;
+        field.begin_growth();
+        let (regions, noise) = grow_as_noise_allows(&field, settings);
+        field.end_growth();
+        Ok(Self { field, regions, noise, settings: *settings })
     }
-    let mut pieces_of: Vec<Vec<u32>> = vec![Vec::new(); surface_of.len()];
-    for (at, piece) in (0..).zip(&pieces) {
-        pieces_of[piece.region as usize].push(at);
+
+    /// Finds the planes by samples of points, as [`find`] does.
+    pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync) -> Found {
+        let Self { field, regions: mut grown, noise, settings } = self;
+        let narrowest = NARROWEST * field.coarse_edge();
+        grown.retain(|region| {
+            let [_, across, _] = region.fitted.fit.variances;
+            // A strip of the width w scatters by w² / 12.
+            !settings.takes(Step::Certain)
+                || region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
+        });
+        let fewest = (SHARE_OF_POINTS * points as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
+        let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
+        let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
+        let samples = |cell: usize| samples(field.order[cell] as usize);
+        let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
+        let (of_cells, candidates) = mixture.solve(&grown);
+        let mut pieces = pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.places(cell));
+
+        let (numbers, from) = take_apart(
+            &field,
+            &pieces,
+            grown.len(),
+            PART * fewest,
+            if settings.takes(Step::Parts) { SHARE_OF_PART } else { f64::INFINITY },
+        );
+        let surface_of: Vec<u32> = (0..).take(grown.len()).chain(from).collect();
+        for (piece, number) in pieces.iter_mut().zip(numbers) {
+            piece.region = number;
+        }
+        let mut pieces_of: Vec<Vec<u32>> = vec![Vec::new(); surface_of.len()];
+        for (at, piece) in (0..).zip(&pieces) {
+            pieces_of[piece.region as usize].push(at);
+        }
+        let looks_flat = |region: &Region| {
+            let curved = |bend: Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
+            !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
+        };
+        let region = |((number, surface), of): ((u32, &u32), &Vec<u32>)| {
+            let pieces = of.iter().map(|at| &pieces[*at as usize]);
+            let region = Region::of(&field, noise, &grown[*surface as usize].fitted, *surface, pieces)?;
+            looks_flat(&region).then_some((number, region))
+        };
+        let numbered = (0..u32::MAX).into_par_iter().zip(&surface_of).zip(&pieces_of);
+        let mut found: Vec<(u32, Region)> = numbered.filter_map(region).collect();
+        // From 0: the sum of no floating-point numbers is −0.
+        let all = found.iter().fold(0.0, |sum, (_, region)| sum + region.area);
+        let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
+        let least = settings.min_area.unwrap_or(least);
+        let least = if settings.takes(Step::Size) { least } else { 0.0 };
+        found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);
+        found.sort_by_key(|(number, region)| (std::cmp::Reverse(region.points), *number));
+        let mut rank: Vec<Option<u32>> = vec![None; surface_of.len()];
+        for (new, (old, _)) in (0..).zip(&found) {
+            rank[*old as usize] = Some(new);
+        }
+        let share = |piece: &Piece| {
+            let region = rank[piece.region as usize]?;
+            Some(Share { cell: field.order[piece.cell as usize], region, points: piece.points })
+        };
+        let shares = || {
+            let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
+            shares.sort_unstable_by_key(|share| (share.cell, share.region));
+            shares
+        };
+        let plane =
+            |(_, region): &(u32, Region)| Flat { normal: region.normal.into(), point: region.point.into() };
+        let planes = found.iter().map(plane).collect();
+        let mut of_pieces = pieces.iter().peekable();
+        let number = |cell: u32, region: u32| {
+            // Cells are asked for in their order, each for several regions.
+            while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
+            let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
+            // What no sampled point is of has the number of the largest part.
+            rank[of_pieces
+                .clone()
+                .take_while(|piece| piece.cell == cell)
+                .find(same)
+                .map_or(region, |piece| piece.region) as usize]
+        };
+        let (labeller, shares) =
+            rayon::join(|| Labeller::of(&field, of_cells, settings.reach, number, planes), shares);
+        Found {
+            shares,
+            regions: found.into_iter().map(|(_, region)| region).collect(),
+            noise_scale: noise.scale,
+            min_points: fewest,
+            min_area: least,
+            labeller,
+        }
     }
-    let looks_flat = |region: &Region| {
-        let curved = |bend: Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
-        !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
-    };
-    let region = |((number, surface), of): ((u32, &u32), &Vec<u32>)| {
-        let pieces = of.iter().map(|at| &pieces[*at as usize]);
-        let region = Region::of(&field, noise, &grown[*surface as usize].fitted, *surface, pieces)?;
-        looks_flat(&region).then_some((number, region))
-    };
-    let mut found: Vec<(u32, Region)> = (0..).zip(&surface_of).zip(&pieces_of).filter_map(region).collect();
-    // From 0: the sum of no floating-point numbers is −0.
-    let all = found.iter().fold(0.0, |sum, (_, region)| sum + region.area);
-    let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
-    let least = settings.min_area.unwrap_or(least);
-    let least = if settings.takes(Step::Size) { least } else { 0.0 };
-    found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);
-    found.sort_by_key(|(number, region)| (std::cmp::Reverse(region.points), *number));
-    let mut rank: Vec<Option<u32>> = vec![None; surface_of.len()];
-    for (new, (old, _)) in (0..).zip(&found) {
-        rank[*old as usize] = Some(new);
-    }
-    let share = |piece: &Piece| {
-        let region = rank[piece.region as usize]?;
-        Some(Share { cell: field.order[piece.cell as usize], region, points: piece.points })
-    };
-    let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
-    shares.sort_unstable_by_key(|share| (share.cell, share.region));
-    let plane =
-        |(_, region): &(u32, Region)| Flat { normal: region.normal.into(), point: region.point.into() };
-    let planes = found.iter().map(plane).collect();
-    let mut of_pieces = pieces.iter().peekable();
-    let number = |cell: u32, region: u32| {
-        // Cells are asked for in their order, each for several regions.
-        while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
-        let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
-        // What no sampled point is of has the number of the largest part.
-        rank[of_pieces
-            .clone()
-            .take_while(|piece| piece.cell == cell)
-            .find(same)
-            .map_or(region, |piece| piece.region) as usize]
-    };
-    let labeller = Labeller::of(&field, of_cells, settings.reach, number, planes);
-    Ok(Found {
-        shares,
-        regions: found.into_iter().map(|(_, region)| region).collect(),
-        noise_scale: noise.scale,
-        min_points: fewest,
-        min_area: least,
-        labeller,
-    })
 }
 
 impl Found {
@@ -265,7 +299,7 @@ impl Region {
         surface: u32,
         pieces: impl Iterator<Item = &'p Piece>,
     ) -> Option<Self> {
-        let looks = Surface::of(field, fitted, pieces);
+        let looks = Looks::of(field, fitted, pieces);
         (looks.points > 0).then(|| Self {
             normal: fitted.plane.normal.to_array(),
             point: fitted.plane.point.to_array(),
@@ -287,30 +321,31 @@ impl Region {
 /// Stated errors are trusted while planes are as flat as they say. Where they are not, or where errors were found from scatter,
 /// which tells nothing of what neighbouring points share, the cells of a region may scatter by more, and the errors are taken to be
 /// as large as most points then show.
-fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Noise) {
+fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Surface>, Noise) {
     let floor = (FLOOR * field.coarse_edge()).powi(2);
     let stated = Noise { scale: 1.0, floor };
     let mut arounds = Arounds::of(field);
     let growth = |noise: Noise, spread: f64| Growth { noise, spread, without: settings.leave_out };
     if settings.errors_are_stated || !settings.takes(Step::Bent) {
         let strict = grow(&mut arounds, growth(stated, 0.0));
-        if usual_chi_squared(&strict) <= TRUSTED || !settings.takes(Step::Bent) {
+        if usual_chi_squared(strict.iter()) <= TRUSTED || !settings.takes(Step::Bent) {
             return (strict, stated);
         }
     }
     let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
-    let mut first = grow(&mut arounds, growth(stated, SPREAD));
-    first.retain(|region| is_sure(field, stated, region, tilt));
-    let scale = usual_chi_squared(&first).clamp(1.0, MOST_SCALE);
+    let first = grow(&mut arounds, growth(stated, SPREAD));
+    let sure: Vec<&Surface> = first.iter().filter(|region| is_sure(field, stated, region, tilt)).collect();
+    let scale = usual_chi_squared(sure).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };
-    let grown = grow(&mut arounds, growth(noise, SPREAD));
+    // With errors as stated they would be the same again.
+    let grown = if scale > 1.0 { grow(&mut arounds, growth(noise, SPREAD)) } else { first };
     (grow_again(&mut arounds, growth(noise, SPREAD), grown, tilt), noise)
 }
 
 /// That of the region which has half of the points on smoother ones.
-fn usual_chi_squared(regions: &[Grown]) -> f64 {
+fn usual_chi_squared<'g>(regions: impl IntoIterator<Item = &'g Surface>) -> f64 {
     let mut seen: Vec<(f64, f64)> =
-        regions.iter().map(|r| (r.fitted.reduced_chi_squared, r.fitted.points())).collect();
+        regions.into_iter().map(|r| (r.fitted.reduced_chi_squared, r.fitted.points())).collect();
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = seen.iter().map(|(_, points)| points).sum::<f64>() / 2.0;
     let mut sum = 0.0;

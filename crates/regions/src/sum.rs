@@ -25,6 +25,11 @@ impl Sum {
         Self(numbers)
     }
 
+    /// The same points with other errors: the sum of their covariances.
+    pub(crate) fn set_noise(&mut self, noise: &SymmetricMatrix3) {
+        self.0[10..].copy_from_slice(&noise.0);
+    }
+
     pub(crate) fn points(&self) -> f64 {
         self.0[0]
     }

@@ -15,7 +15,7 @@ struct Sum {
 }
 
 /// The points of a region in columns along the main axis of its normal, each as wide as a cell.
-pub(crate) struct Surface {
+pub(crate) struct Looks {
     columns: Vec<Column>,
     pub(crate) points: u64,
     /// Their mean, in metres.
@@ -26,7 +26,7 @@ pub(crate) struct Surface {
     pub(crate) area: f64,
 }
 
-impl Surface {
+impl Looks {
     pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let normal = fitted.plane.normal;
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);

@@ -5,7 +5,7 @@
 mod scenes;
 
 use scenes::{Scene, Sorted, rectangle};
-use terrace_regions::{Cell, Points, RegionsError, Segmentation, Settings, segment, sums_around};
+use terrace_regions::{Cell, Field, Points, RegionsError, Segmentation, Settings, segment};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3, UncertainVector};
 
 const NO_POINTS: Points<'static> = Points { cells: &[], places: &[] };
@@ -43,7 +43,7 @@ fn no_cells_hold_no_planes() {
     // Points of no cell get no label.
     let points = Points { cells: &[None; 3], places: &[[0.0; 3]; 3] };
     assert_eq!(segment(&[], 0.1, points, &Settings::default()).unwrap().labels, [None; 3]);
-    assert_eq!(sums_around(&[]), []);
+    assert_eq!(Field::of(&[], 0.1).unwrap().sums_around(|_, sums| sums.count()), []);
 }
 
 #[test]

@@ -7,7 +7,7 @@ mod scenes;
 use std::f64::consts::TAU;
 
 use scenes::{Scene, Sorted, dot, rectangle};
-use terrace_regions::{Segmentation, Settings, segment, sums_around};
+use terrace_regions::{Field, Segmentation, Settings, segment};
 use terrace_stats::SymmetricMatrix3;
 
 /// Standard error of a point, and an edge of half the cell that it suggests.
@@ -241,7 +241,9 @@ fn errors_found_from_scatter_do_as_well_where_they_are_all_there_is() {
 #[test]
 fn sums_around_are_those_of_brute_force() {
     let cells = box_corner(8, 200).cells(4.0 * EDGE).cells;
-    for (cell, sum) in cells.iter().zip(sums_around(&cells)) {
+    let sums = Field::of(&cells, 4.0 * EDGE).unwrap().sums_around(|place, sum| (place, *sum));
+    for ((at, cell), (place, sum)) in cells.iter().enumerate().zip(sums) {
+        assert_eq!(place, at);
         let touches = |key: &[i32; 3]| (0..3).all(|i| (key[i] - cell.key[i]).abs() <= 1);
         let near = cells.iter().filter(|other| touches(&other.key));
         assert_eq!(sum.count(), near.map(|other| other.stats.count()).sum::<u64>());

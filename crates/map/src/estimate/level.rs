@@ -46,7 +46,7 @@ pub struct NoiseKnot {
 
 /// What a flat place shows.
 #[derive(Debug, Clone, Copy)]
-struct Residual {
+pub(crate) struct Residual {
     range: Option<f64>,
     /// Mean squared cosine of the angle between rays and normal.
     cosine: Option<f64>,
@@ -63,14 +63,27 @@ pub(crate) struct Residuals {
 impl Residuals {
     /// The scatter of the points of a place along a normal.
     pub(crate) fn push(&mut self, errors: &Errors, seen: &[Sighting], place: &Stats, normal: [f64; 3]) {
-        let Some(variance) = scatter_along(place.moments(), normal) else { return };
+        self.of.extend(Residual::of(errors, seen, place, normal));
+    }
+}
+
+impl FromIterator<Residual> for Residuals {
+    fn from_iter<I: IntoIterator<Item = Residual>>(of: I) -> Self {
+        Self { of: of.into_iter().collect() }
+    }
+}
+
+impl Residual {
+    /// Of few points there is none.
+    pub(crate) fn of(errors: &Errors, seen: &[Sighting], place: &Stats, normal: [f64; 3]) -> Option<Self> {
+        let variance = scatter_along(place.moments(), normal)?;
         let mut sums = [0.0; 3];
         for (share, ray) in errors.rays(place, seen) {
             let cosine = ray.normalize_or_zero().dot(DVec3::from(normal));
             sums = [sums[0] + share, sums[1] + share * ray.length(), sums[2] + share * cosine * cosine];
         }
         let mean = |sum: f64| (sums[0] > 0.0).then(|| sum / sums[0]);
-        self.of.push(Residual { range: mean(sums[1]), cosine: mean(sums[2]), variance });
+        Some(Self { range: mean(sums[1]), cosine: mean(sums[2]), variance })
     }
 }
 

@@ -21,8 +21,8 @@ use crate::{ExtractedPlane, Mapper};
 
 pub use cells::CellPlane;
 use columns::{Columns, Near};
-pub(crate) use level::Residuals;
 pub use level::{NoiseKnot, NoiseLevel};
+pub(crate) use level::{Residual, Residuals};
 pub use sightings::Sighting;
 pub(crate) use sightings::Sightings;
 

@@ -2,10 +2,10 @@
 
 use terrace_grid::CellId;
 use terrace_normals::fit_plane;
-use terrace_regions::{Cell, sums_around};
+use terrace_regions::Field;
 use terrace_stats::{Stats, SymmetricMatrix3};
 
-use crate::estimate::{Errors, NoiseLevel, Residuals};
+use crate::estimate::{Errors, NoiseLevel, Residual};
 
 /// Places with fewer points say little of their scatter.
 const FEWEST: u64 = 12;
@@ -15,18 +15,17 @@ const WIDTH: f64 = 0.2;
 impl Errors<'_> {
     /// Finds the level of noise from how the points around each cell scatter about a plane of their own, in the median.
     /// `of` is the cell of the grid that each is a part of.
-    pub(crate) fn find_level(&mut self, cells: &[Cell], of: &[CellId]) {
-        let mut residuals = Residuals::default();
-        for (around, of) in sums_around(cells).iter().zip(of) {
+    pub(crate) fn find_level(&mut self, field: &Field, of: &[CellId]) {
+        let residual = |cell: usize, around: &Stats| {
+            let seen = self.seen(of.get(cell)?.index());
             if around.count() < FEWEST {
-                continue;
+                return None;
             }
-            let Ok(fit) = fit_plane(around) else { continue };
+            let fit = fit_plane(around).ok()?;
             let [_, across, along] = fit.variances;
-            if across >= WIDTH * along {
-                residuals.push(self, self.seen(of.index()), around, fit.normal);
-            }
-        }
+            (across >= WIDTH * along).then(|| Residual::of(self, seen, around, fit.normal)).flatten()
+        };
+        let residuals = field.sums_around(residual).into_iter().flatten().collect();
         self.level = NoiseLevel::of(&residuals);
     }
 

@@ -1,7 +1,7 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Cell, Found};
+use terrace_regions::{Cell, Field, Found, RegionsError};
 use terrace_types::PlaneId;
 
 use super::MOSTLY;
@@ -65,12 +65,12 @@ impl<'m> Fine<'m> {
     }
 
     /// Gives the cells the errors that flat places show, which are then in `errors`.
-    pub(crate) fn find_errors(&mut self, errors: &mut Errors) {
-        errors.find_level(&self.cells, &self.of);
-        for (cell, of) in self.cells.iter_mut().zip(&self.of) {
-            let of_point = errors.of_place(&cell.stats, *of);
-            cell.stats = cell.stats.with_noise(of_point * cell.stats.count() as f64);
-        }
+    pub(crate) fn find_errors(&self, field: &mut Field, errors: &mut Errors) -> Result<(), RegionsError> {
+        errors.find_level(field, &self.of);
+        field.set_noise(|at| {
+            let stats = &self.cells[at].stats;
+            errors.of_place(stats, self.of[at]) * stats.count() as f64
+        })
     }
 
     /// For each cell of the cell size the plane that most of its points are of.

@@ -8,7 +8,7 @@ mod streamed;
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Found, Labeller, Measure, Region, find};
+use terrace_regions::{Field, Found, Grown as Surfaces, Labeller, Measure, Region};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -99,26 +99,28 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let mut nodes = Nodes::without_normals(grid, used.tau, mapper.params());
+        let (mut nodes, mut fine) = rayon::join(
+            || Nodes::without_normals(grid, used.tau, mapper.params()),
+            || Fine::of(cells, coarse),
+        );
 
         begins(Stage::Grow { cells: grid.len() });
         let floor = mapper.params().estimate.unwrap_or_default().floor;
         let mut errors = Errors::of(mapper, &nodes, floor);
-        let mut fine = Fine::of(cells, coarse);
-        if !nodes.know_errors() {
-            fine.find_errors(&mut errors);
-        }
-        let samples = |place: usize| fine.number(place).map_or(&[][..], |number| mapper.samples().of(number));
-        let settings_of_find = settings.settings(nodes.know_errors() && settings.errors_are_complete);
+        let known = nodes.know_errors();
+        let settings_of_find = settings.settings(known && settings.errors_are_complete);
         let points = fine.cells.iter().map(|cell| cell.stats.count()).sum();
-        // Regions grow one after the other: what does not need them has the other threads.
-        let (found, ()) = rayon::join(
-            || find(&fine.cells, cells.cell_size(), points, samples, &settings_of_find),
-            || nodes.find_normals(mapper.params()),
-        );
-        let found = found?;
+        let mut field = Field::of(&fine.cells, cells.cell_size())?;
+        if !known {
+            fine.find_errors(&mut field, &mut errors)?;
+        }
         // They have said what they know.
         fine.cells = Vec::new();
+        // Regions grow one after the other: what does not need them has the other threads.
+        let (grown, ()) =
+            rayon::join(|| Surfaces::of(field, &settings_of_find), || nodes.find_normals(mapper.params()));
+        let found =
+            grown?.find(points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
@@ -131,7 +133,9 @@ impl<'m> Grown<'m> {
     /// The labels of all points that are kept, and what they measure, view by view.
     fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Vec<Measure>>) {
         let regions = self.found.regions.len();
-        let mut labels: Vec<Option<PlaneId>> = vec![None; self.mapper.len()];
+        let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
+        // On all threads: memory that is used for the first time is handed out by the system page by page.
+        labels.par_extend(rayon::iter::repeat_n(None, self.mapper.len()));
         let mut rest = &mut labels[..];
         let mut by_view = vec![vec![Measure::default(); regions]; self.mapper.views().len()];
         for kept in self.mapper.kept() {
