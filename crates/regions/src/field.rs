@@ -90,8 +90,9 @@ impl Field {
             ((sums, anchored.sum(cell, stats)), (anchor, (middle, cells[order[cell] as usize].key)))
         };
         let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
-        let (levels, ((sums, about), (anchors, (middles, keys)))): (_, ((_, _), (_, (_, Vec<[i32; 3]>)))) =
+        let (levels, ((sums, about), (anchors, places))) =
             rayon::join(|| Level::all(&along, LEVELS), of_cells);
+        let (middles, keys): (_, Vec<[i32; 3]>) = places;
         if strange.into_inner() {
             let cell = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()).unwrap_or(0);
             return Err(RegionsError::Cell { cell });

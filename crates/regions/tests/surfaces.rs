@@ -7,7 +7,7 @@ mod scenes;
 use std::f64::consts::TAU;
 
 use scenes::{Scene, Sorted, dot, rectangle};
-use terrace_regions::{Field, Segmentation, Settings, segment};
+use terrace_regions::{Cell, Field, RegionsError, Segmentation, Settings, find, segment};
 use terrace_stats::SymmetricMatrix3;
 
 /// Standard error of a point, and an edge of half the cell that it suggests.
@@ -249,4 +249,25 @@ fn sums_around_are_those_of_brute_force() {
         assert_eq!(sum.count(), near.map(|other| other.stats.count()).sum::<u64>());
         assert_eq!(sum.anchor().map(f64::to_bits), cell.stats.anchor().map(f64::to_bits));
     }
+}
+
+#[test]
+fn errors_that_are_told_later_are_those_of_the_cells() {
+    let cells = box_corner(8, 200).cells(4.0 * EDGE).cells;
+    let points = cells.iter().map(|cell| cell.stats.count()).sum();
+    let bare: Vec<Cell> = cells
+        .iter()
+        .map(|cell| Cell { stats: cell.stats.with_noise(SymmetricMatrix3::ZERO), ..*cell })
+        .collect();
+    let known = Field::of(&cells, 4.0 * EDGE).unwrap();
+    let mut told = Field::of(&bare, 4.0 * EDGE).unwrap();
+    told.set_noise(|cell| cells[cell].stats.moments().noise()).unwrap();
+    assert_eq!(told.sums_around(|_, sums| *sums), known.sums_around(|_, sums| *sums));
+    let regions = |field| find(field, points, |_| &[], &Settings::default()).unwrap().regions;
+    let found = regions(told);
+    assert_eq!(found.len(), 3);
+    assert_eq!(found, regions(known));
+    let mut strange = Field::of(&bare, 4.0 * EDGE).unwrap();
+    let noise = |cell| SymmetricMatrix3::diagonal([if cell < 5 { 1e-4 } else { f64::NAN }; 3]);
+    assert_eq!(strange.set_noise(noise), Err(RegionsError::Cell { cell: 5 }));
 }
