@@ -2,10 +2,12 @@
 
 use std::cmp::Reverse;
 
+use crate::Step;
 use crate::around::Arounds;
 use crate::cell::Noise;
 use crate::field::{COARSE, Field};
 use crate::grow::{Growing, Growth, Region};
+use crate::slice::is_slice;
 
 /// How often: each time less is held by regions that come to nothing.
 const TIMES: usize = 2;
@@ -25,7 +27,7 @@ pub(crate) fn grow_again(
     let field = arounds.field();
     for _ in 0..TIMES {
         let before = regions.len();
-        regions.retain(|region| is_sure(field, growth.noise, region, tilt));
+        regions.retain(|region| is_sure(field, growth, region, tilt));
         if regions.len() == before {
             break;
         }
@@ -36,9 +38,12 @@ pub(crate) fn grow_again(
     regions
 }
 
-/// Whether the orientation of a region is known to `tilt`, in radians, by the errors of its points and by what they share.
-pub(crate) fn is_sure(field: &Field, noise: Noise, region: &Region, tilt: f64) -> bool {
-    region.fitted.tilt <= tilt && shared_tilt(field, noise, region) <= tilt
+/// Whether the orientation of a region is known to `tilt`, in radians, by the errors of its points and by what they share, and it is no
+/// slice through clutter.
+pub(crate) fn is_sure(field: &Field, growth: Growth, region: &Region, tilt: f64) -> bool {
+    region.fitted.tilt <= tilt
+        && shared_tilt(field, growth.noise, region) <= tilt
+        && (growth.without == Some(Step::Slices) || !is_slice(field, region))
 }
 
 /// Standard error of the orientation where it is least sure, in radians, by what the points of a coarser cell are off together: steps of

@@ -300,7 +300,7 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Grown>, Nois
     }
     let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
     let mut first = grow(&mut arounds, growth(stated, SPREAD));
-    first.retain(|region| is_sure(field, stated, region, tilt));
+    first.retain(|region| is_sure(field, growth(stated, SPREAD), region, tilt));
     let scale = usual_chi_squared(&first).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };
     let grown = grow(&mut arounds, growth(noise, SPREAD));
