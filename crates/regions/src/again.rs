@@ -2,17 +2,20 @@
 
 use std::cmp::Reverse;
 
+use crate::Step;
 use crate::around::Arounds;
 use crate::cell::Noise;
 use crate::field::{COARSE, Field};
 use crate::grow::{Growing, Growth, Region};
+use crate::slice::Surfaces;
 
 /// How often: each time less is held by regions that come to nothing.
 const TIMES: usize = 2;
 /// Scatter of the means of coarser cells beyond the errors of their points, in units of the variance of those, that says nothing yet.
 const USUAL_SHARED: f64 = 0.2;
 
-/// Grows all regions again, those with most points first, without those whose orientation is less sure than `tilt`, in radians.
+/// Grows all regions again, those with most points first, without those whose orientation is less sure than `tilt`, in radians, and those
+/// that are slices through clutter.
 ///
 /// Where cells may scatter, planes can be laid through anything: what the surest seeds have taken, and keep, need not be the largest
 /// surface, nor any.
@@ -25,7 +28,9 @@ pub(crate) fn grow_again(
     let field = arounds.field();
     for _ in 0..TIMES {
         let before = regions.len();
-        regions.retain(|region| is_sure(field, growth.noise, region, tilt));
+        let flat = Surfaces::of(field, &regions);
+        let is_slice = |region: &Region| growth.without != Some(Step::Slices) && flat.is_slice(field, region);
+        regions.retain(|region| is_sure(field, growth.noise, region, tilt) && !is_slice(region));
         if regions.len() == before {
             break;
         }

@@ -26,6 +26,8 @@ pub struct Bend {
     pub turn: f64,
     /// How far the surface is off its plane, rms, in metres.
     pub rms: f64,
+    /// How far its columns are off the quadric beyond the errors of their points, rms, in metres.
+    pub left: f64,
     /// How sure that is, in standard errors. Scatter of the columns about the quadric beyond their errors counts as error.
     pub significance: f64,
 }
@@ -83,9 +85,11 @@ impl Bend {
         };
         let freedom = columns.len().saturating_sub(FREEDOMS).max(1) as f64;
         let scatter = (columns.iter().map(residual).sum::<f64>() / freedom).max(1.0);
+        let left = ((scatter - 1.0) * freedom * variance / points).sqrt();
         let bend = Self {
             turn: mean(&slope).sqrt(),
             rms: mean(&|c| (bent(c) - level).powi(2)).sqrt(),
+            left,
             significance: (significance.max(0.0) / scatter).sqrt(),
         };
         (bend.turn.is_finite() && bend.significance.is_finite()).then_some(bend)
@@ -127,6 +131,18 @@ mod tests {
         // Places are even over one metre: the angle u / R has the deviation 1 / (R √12).
         assert!((bend.turn - 0.2887 / radius).abs() < 0.002, "{bend:?}");
         assert!(bend.significance > 20.0, "{bend:?}");
+    }
+
+    #[test]
+    fn what_a_quadric_does_not_explain_is_left() {
+        let smooth = |u: f64, v: f64| u * u / 4.0 + v * v / 6.0;
+        let exact = Bend::of(&columns(smooth), 1e-4).unwrap();
+        assert_eq!(exact.left.to_bits(), 0.0_f64.to_bits());
+        // Steps of 3 cm from column to column, of which 1e-4 / 10 m² are the errors of ten points.
+        let step = |u: f64| if (20.0 * u).round() % 2.0 == 0.0 { 0.03 } else { -0.03 };
+        let stepped = Bend::of(&columns(|u, v| smooth(u, v) + step(u)), 1e-4).unwrap();
+        assert!((stepped.left - (9e-4_f64 - 1e-5).sqrt()).abs() < 2e-4, "{stepped:?}");
+        assert!((stepped.rms / exact.rms - 1.0).abs() < 0.05, "{stepped:?} {exact:?}");
     }
 
     #[test]

@@ -89,6 +89,7 @@ mod scene;
 mod seeds;
 mod segment;
 mod settings;
+mod slice;
 mod sum;
 mod surface;
 mod turned;

@@ -38,8 +38,9 @@ const ENOUGH_CELLS: f64 = 50.0;
 /// plane: a wall that is seen in pieces is one wall.
 const SHARE_OF_PART: f64 = 0.1;
 const PART: f64 = 2.0;
-/// A bend is seen from so many standard errors on.
+/// A bend is seen from so many standard errors on, and from this share of what else the surface is off, rms: a sensor bends flat surfaces.
 const SIGNIFICANT: f64 = 4.0;
+const SHARE_OF_SCATTER: f64 = 0.7;
 
 /// A plane and how well it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,7 +208,11 @@ impl Grown {
             pieces_of[piece.region as usize].push(at);
         }
         let looks_flat = |region: &Region| {
-            let curved = |bend: Bend| bend.turn > settings.turn && bend.significance > SIGNIFICANT;
+            let curved = |bend: Bend| {
+                bend.turn > settings.turn
+                    && bend.significance > SIGNIFICANT
+                    && bend.rms > SHARE_OF_SCATTER * bend.left
+            };
             !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
         };
         let region = |((number, surface), of): ((u32, &u32), &Vec<u32>)| {

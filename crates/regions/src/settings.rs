@@ -36,6 +36,8 @@ pub enum Step {
     Refit,
     /// Errors may be larger than stated, and surfaces bent by as much; without, they are as stated.
     Bent,
+    /// Slices through clutter are no planes, where cells may scatter.
+    Slices,
     /// Labels know how many points around are of each plane.
     Shares,
     /// Labels know where planes end at each other.
@@ -52,12 +54,13 @@ pub enum Step {
 
 impl Step {
     /// All, in the order in which they come.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Resolutions,
         Self::Offsets,
         Self::Normals,
         Self::Refit,
         Self::Bent,
+        Self::Slices,
         Self::Shares,
         Self::Ends,
         Self::Curved,
