@@ -77,7 +77,8 @@ impl<'a> Cell<'a> {
         Stats::from_moments(self.anchor(), self.slot.moments)
     }
 
-    pub(crate) fn moments(&self) -> &'a Moments {
+    /// The sums of the points about the [anchor](Self::anchor).
+    pub fn moments(&self) -> &'a Moments {
         &self.slot.moments
     }
 }

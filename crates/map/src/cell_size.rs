@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use foldhash::fast::FixedState;
 use hashbrown::HashMap;
+use rayon::prelude::*;
 use terrace_noise::PoseNoise;
 use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
@@ -68,7 +69,10 @@ pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64)
     let samples: Vec<[f64; 3]> = points.iter().copied().skip(stride / 2).step_by(stride).collect();
     let mut reach = first_reach(&samples, points.len())?;
     for _ in 0..DOUBLINGS {
-        let local: Vec<Local> = near_each(&points, &samples, reach);
+        // On several threads each looks at all points, for some of the samples.
+        let each = samples.len().div_ceil(rayon::current_num_threads());
+        let parts = samples.par_chunks(each).map(|samples| near_each(&points, samples, reach));
+        let local: Vec<Local> = parts.flatten_iter().collect();
         let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
         let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
         let most = |seen: &[f64]| 2 * seen.len() > samples.len();

@@ -40,6 +40,7 @@ impl EigenvalueBounds {
     /// By the characteristic polynomial p(λ) = λ³ − t λ² + m λ − d, of trace, principal minors and determinant. Below the least root
     /// it rises and is concave, so that Newton's steps from 0 end below it; just above them it is looked at whether the root was
     /// passed. The other two have a known sum and product then.
+    #[inline]
     pub fn of(covariance: &SymmetricMatrix3) -> Self {
         let (trace, minors, determinant) = invariants(covariance);
         let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
@@ -76,6 +77,7 @@ impl EigenvalueBounds {
 
     /// Whether a direction, given by the variance along it, is off the first eigenvector by less than an angle for sure, by the sine
     /// squared: along a unit vector at the angle θ it is at least λ₀ + (λ₁ − λ₀) sin²θ.
+    #[inline]
     pub fn is_within(&self, variance: f64, sine_squared: f64) -> bool {
         let ([least, _], [middle, _]) = (self.least, self.middle);
         variance < (sine_squared * middle + (1.0 - sine_squared) * least) * (1.0 - ROUNDING)

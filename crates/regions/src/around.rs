@@ -1,6 +1,7 @@
 //! The planes around groups of cells, fitted when they are asked for.
 
 use rayon::prelude::*;
+use terrace_normals::EigenvalueBounds;
 use terrace_stats::Stats;
 
 use crate::cell::Noise;
@@ -142,19 +143,9 @@ pub(crate) struct Bounded {
 
 impl Bounded {
     pub(crate) fn of(sum: &Sum) -> Self {
-        let Bounds { least, middle, most } = Bounds::of(&sum.covariance());
-        let [xx, xy, xz, yy, yz, zz] = sum.noise();
-        // Gershgorin.
-        let radii = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];
-        let diagonal = [xx, yy, zz];
-        Self {
-            points: sum.points(),
-            least: least[0],
-            middle: middle[1],
-            most,
-            lowest: (0..3).fold(f64::INFINITY, |lowest, i| lowest.min(diagonal[i] - radii[i])),
-            highest: (0..3).fold(0.0, |highest: f64, i| highest.max(diagonal[i] + radii[i])),
-        }
+        let EigenvalueBounds { least, middle, most } = EigenvalueBounds::of(&sum.covariance());
+        let [lowest, highest] = sum.noise().range();
+        Self { points: sum.points(), least: least[0], middle: middle[1], most, lowest, highest }
     }
 
     /// Bounds of the variance of errors along any direction, in m².
@@ -184,80 +175,20 @@ impl Bounded {
     }
 }
 
-/// Bounds of the eigenvalues of a scatter: the least and the middle one from below and above, the largest from below.
-pub(crate) struct Bounds {
-    pub(crate) least: [f64; 2],
-    pub(crate) middle: [f64; 2],
-    most: f64,
-}
-
-impl Bounds {
-    /// By the characteristic polynomial p(λ) = λ³ − t λ² + m λ − d, of trace, principal minors and determinant. Below the least root
-    /// it rises and is concave, so that Newton's steps from 0 end below it; just above them it is looked at whether the root was
-    /// passed. The other two have a known sum and product then. Where rounding does not tell, bounds are wide.
-    pub(crate) fn of(c: &[f64; 6]) -> Self {
-        let (trace, minors, determinant) = invariants(c);
-        let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
-        let slope = |x: f64| (3.0 * x - 2.0 * trace) * x + minors;
-        let mut root = (determinant / minors).max(0.0);
-        for _ in 0..STEPS {
-            root -= at(root) / slope(root);
-        }
-        let slack = ROUNDING * trace;
-        // Of what rounding leaves of numbers of this size it is far more.
-        let is_passed = |high: f64| high < trace / 3.0 && at(high) > slack * slack * trace;
-        let mut high = root * CLOSE + slack;
-        // What is thick takes longer.
-        for _ in STEPS..MOST_STEPS {
-            if is_passed(high) {
-                break;
-            }
-            root -= at(root) / slope(root);
-            high = root * CLOSE + slack;
-        }
-        let (low, passed) = ((root - slack).max(0.0), is_passed(high));
-        let wide = minors - high * (trace - high) > NARROW * trace * trace;
-        if !(passed && wide) {
-            return Self { least: [0.0, trace], middle: [0.0, 0.5 * trace], most: trace / 3.0 };
-        }
-        let smaller =
-            |sum: f64, product: f64| 2.0 * product / (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
-        // Sum and product of the other two fall as the least rises; the smaller of them rises with the product and falls with the sum.
-        let (sums, products) =
-            ([high, low].map(|x| trace - x), [high, low].map(|x| minors - x * (trace - x)));
-        let middle = [smaller(sums[1], products[0]), smaller(sums[0], products[1]).min(0.5 * sums[1])];
-        Self { least: [low, high], middle, most: sums[0] - middle[1] }
-    }
-}
-
-/// Newton's steps, those at most, and how much above the last the root is at most, as a share.
-const STEPS: usize = 3;
-const MOST_STEPS: usize = 10;
-const CLOSE: f64 = 1.0 + 1e-6;
-/// Of what is narrower, the middle eigenvalue as a share of the trace, the coefficients of the polynomial tell too little.
-const NARROW: f64 = 1e-5;
-
-/// Trace, sum of the principal minors, determinant.
-fn invariants([xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> (f64, f64, f64) {
-    let (a, b, c) = (yy * zz - yz * yz, xy * zz - yz * xz, xy * yz - yy * xz);
-    (xx + yy + zz, a + (xx * zz - xz * xz) + (xx * yy - xy * xy), xx * a - xy * b + xz * c)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::turned::Turned;
     use glam::DVec3;
     use proptest::prelude::*;
-    use terrace_normals::symmetric_eigen;
-    use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
+    use terrace_stats::UncertainVector;
 
     const NOISE: Noise = Noise { scale: 1.0, floor: 1e-6 };
 
     proptest! {
         /// From a line to a ball, of any thickness, turned in any way.
         #[test]
-        fn bounds_hold_and_tell(
+        fn bounds_are_those_of_the_fit(
             places in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 3..40),
             sizes in prop::array::uniform3(-6.0..0.0_f64),
             turn in prop::array::uniform3(-1.0..1.0_f64),
@@ -273,18 +204,6 @@ mod tests {
                 stats.push(&UncertainVector::isotropic(place.to_array(), 1e-3));
             }
             let sum = Sum::of(&stats, DVec3::ZERO);
-            let c = sum.covariance();
-            let eigen = symmetric_eigen(&SymmetricMatrix3(c));
-            let [l0, l1, l2] = eigen.values;
-            let rounding = 1e-14 * (l0 + l1 + l2);
-            let Bounds { least, middle, most } = Bounds::of(&c);
-            prop_assert!(least[0] <= l0 + rounding && l0 <= least[1] + rounding, "{least:?} {l0}");
-            prop_assert!(middle[0] <= l1 + rounding && l1 <= middle[1] + rounding, "{middle:?} {l1}");
-            prop_assert!(most <= l2 + rounding);
-            // Of a plane they tell nearly all.
-            if l0 < 0.1 * l1 && l1 > 0.01 * l2 {
-                prop_assert!(middle[1] - middle[0] <= 1e-3 * l1 && least[1] - least[0] <= 1e-5 * l1);
-            }
             let around = Around::of(&stats);
             let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
             let plane = Flat { normal, point: DVec3::ZERO };

@@ -66,20 +66,32 @@ impl Field {
     /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells of one key,
     /// and for more cells than are numbered.
     pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
+        Self::of_each(cells.len(), |at| cells[at], edge)
+    }
+
+    /// As [`of`](Self::of), for cells that are kept elsewhere: `cell` tells the one at a place. It is asked several times.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_each(
+        cells: usize,
+        cell: impl Fn(usize) -> Cell + Sync,
+        edge: f64,
+    ) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
-        if u32::try_from(cells.len()).is_err() {
-            return Err(RegionsError::TooMany { cells: cells.len() });
+        if u32::try_from(cells).is_err() {
+            return Err(RegionsError::TooMany { cells });
         }
-        let (along, order) = along_curve(cells.len(), |at| cells[at].key);
-        let stats = |cell: usize| &cells[order[cell] as usize].stats;
-        let mut anchored = Anchored::cubes(&along, |cell| stats(cell).anchor().into());
+        let (along, order) = along_curve(cells, |at| cell(at).key);
+        let ranked = |rank: usize| cell(order[rank] as usize);
+        let mut anchored = Anchored::cubes(&along, |rank| ranked(rank).stats.anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
-        let of_cell = |cell: usize| {
-            let stats = stats(cell);
-            let sums = Sums::of(stats).unwrap_or_else(|| {
+        let of_cell = |rank: usize| {
+            let Cell { key, stats } = ranked(rank);
+            let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
             });
@@ -87,19 +99,19 @@ impl Field {
             // In single precision, as places of points are.
             #[allow(clippy::cast_possible_truncation)]
             let middle = (sums.mean - anchor).to_array().map(|x| x as f32);
-            ((sums, anchored.sum(cell, stats)), (anchor, (middle, cells[order[cell] as usize].key)))
+            ((sums, anchored.sum(rank, &stats)), (anchor, (middle, key)))
         };
         let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
         let (levels, ((sums, about), (anchors, places))) =
             rayon::join(|| Level::all(&along, LEVELS), of_cells);
         let (middles, keys): (_, Vec<[i32; 3]>) = places;
         if strange.into_inner() {
-            let cell = cells.iter().position(|cell| Sums::of(&cell.stats).is_none()).unwrap_or(0);
-            return Err(RegionsError::Cell { cell });
+            let strange = (0..cells).find(|at| Sums::of(&cell(*at).stats).is_none());
+            return Err(RegionsError::Cell { cell: strange.unwrap_or(0) });
         }
         let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if twice > 0 {
-            return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
+            return Err(RegionsError::SameKey { cells, places: cells - twice });
         }
         anchored.sums = about;
         let (bounded, turned) = (Vec::new(), Vec::new());

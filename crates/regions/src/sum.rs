@@ -51,24 +51,24 @@ impl Sum {
     }
 
     /// Scatter of the points about their mean, in m².
-    pub(crate) fn covariance(&self) -> [f64; 6] {
+    pub(crate) fn covariance(&self) -> SymmetricMatrix3 {
         let [n, x, y, z, xx, xy, xz, yy, yz, zz, ..] = self.0;
         let share = 1.0 / n;
         let [x, y, z] = [x, y, z].map(|s| s * share);
-        [
+        SymmetricMatrix3([
             (xx * share - x * x).max(0.0),
             xy * share - x * y,
             xz * share - x * z,
             (yy * share - y * y).max(0.0),
             yz * share - y * z,
             (zz * share - z * z).max(0.0),
-        ]
+        ])
     }
 
     /// Mean covariance of the errors, in m².
-    pub(crate) fn noise(&self) -> [f64; 6] {
+    pub(crate) fn noise(&self) -> SymmetricMatrix3 {
         let share = 1.0 / self.0[0];
-        [10, 11, 12, 13, 14, 15].map(|i| self.0[i] * share)
+        SymmetricMatrix3([10, 11, 12, 13, 14, 15].map(|i| self.0[i] * share))
     }
 
     pub(crate) fn stats(&self, anchor: DVec3) -> Stats {
@@ -106,8 +106,8 @@ mod tests {
         assert_eq!(found.count(), 20);
         let (a, b) = (found.covariance().unwrap(), both.covariance().unwrap());
         for i in 0..6 {
-            assert!((a.0[i] - b.0[i]).abs() < 1e-12 && (sum.covariance()[i] - b.0[i]).abs() < 1e-12);
-            assert!((sum.noise()[i] - both.moments().noise().0[i] / 20.0).abs() < 1e-15);
+            assert!((a.0[i] - b.0[i]).abs() < 1e-12 && (sum.covariance().0[i] - b.0[i]).abs() < 1e-12);
+            assert!((sum.noise().0[i] - both.moments().noise().0[i] / 20.0).abs() < 1e-15);
         }
     }
 }

@@ -3,8 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DMat3, DVec3};
+use terrace_normals::EigenvalueBounds;
+use terrace_stats::SymmetricMatrix3;
 
-use crate::around::{Bounded, Bounds, FEWEST, ROUNDING, ROW};
+use crate::around::{Bounded, FEWEST, ROUNDING, ROW};
 use crate::cell::Noise;
 use crate::flat::Flat;
 use crate::sum::Sum;
@@ -36,8 +38,8 @@ impl Turned {
     // Rounding is allowed for where numbers are made use of.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn of(sum: &Sum, edge: f64) -> Self {
-        let scatter = sum.covariance().map(|c| c / (edge * edge));
-        let Bounds { least, middle, .. } = Bounds::of(&scatter);
+        let scatter = SymmetricMatrix3(sum.covariance().0.map(|c| c / (edge * edge)));
+        let EigenvalueBounds { least, middle, .. } = EigenvalueBounds::of(&scatter);
         let (normal, off) =
             least_direction(&scatter, least[1], middle[0]).unwrap_or((DVec3::ZERO, f64::INFINITY));
         Self {
@@ -124,8 +126,8 @@ impl Limited {
 ///
 /// With the eigenvalue λ, rows of C − λ are across the eigenvector. With its Rayleigh quotient ρ, any unit vector v that is off by the
 /// angle θ has ‖Cv − ρv‖ ≥ (λ₁ − ρ) sin θ.
-fn least_direction(c: &[f64; 6], least: f64, middle: f64) -> Option<(DVec3, f64)> {
-    let [xx, xy, xz, yy, yz, zz] = *c;
+fn least_direction(c: &SymmetricMatrix3, least: f64, middle: f64) -> Option<(DVec3, f64)> {
+    let [xx, xy, xz, yy, yz, zz] = c.0;
     let scatter = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
     let trace = xx + yy + zz;
     let [a, b, c] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| scatter * axis - axis * least);

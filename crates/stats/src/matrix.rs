@@ -76,6 +76,7 @@ impl SymmetricMatrix3 {
 
     /// Bounds of `vᵀ M v` for any unit `v`, from below and above: Gershgorin's. Those of a diagonal matrix are its least and largest
     /// entry.
+    #[inline]
     pub fn range(&self) -> [f64; 2] {
         let [xx, xy, xz, yy, yz, zz] = self.0;
         let [x, y, z] = [xy.abs() + xz.abs(), xy.abs() + yz.abs(), xz.abs() + yz.abs()];

@@ -2,6 +2,7 @@
 
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_regions::{Cell, Field, Found, RegionsError};
+use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
 use super::MOSTLY;
@@ -10,13 +11,14 @@ use crate::mapper::Coarse;
 
 /// The cells of half the cell size.
 pub(crate) struct Fine<'m> {
+    grid: &'m VoxelGrid,
     coarse: &'m Coarse,
-    pub(crate) cells: Vec<Cell>,
+    cells: Vec<CellId>,
     /// The larger cell that each is a part of.
     of: Vec<CellId>,
     pub(crate) places: Places,
-    /// And the other way round.
-    numbers: Vec<u32>,
+    /// Points of all cells.
+    pub(crate) points: u64,
 }
 
 /// By cell of the grid, its place among the cells; empty where that is the same for all.
@@ -33,24 +35,24 @@ impl Places {
 
 impl<'m> Fine<'m> {
     /// Sums that overflow are no cell of a region: their points are of no plane.
-    pub(crate) fn of(grid: &VoxelGrid, coarse: &'m Coarse) -> Self {
+    pub(crate) fn of(grid: &'m VoxelGrid, coarse: &'m Coarse) -> Self {
         let mut fine = Self {
+            grid,
             coarse,
             cells: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
             places: Places::default(),
-            numbers: Vec::new(),
+            points: 0,
         };
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
         for (cell, of) in grid.founded().zip(&coarse.of) {
-            let stats = cell.stats();
-            let (moments, place) = (stats.moments(), u32::try_from(fine.cells.len()).ok());
+            let (moments, place) = (cell.moments(), u32::try_from(fine.cells.len()).ok());
             let usable = moments.noise().is_finite() && moments.second().is_finite();
             places.push(place.filter(|_| usable));
             if usable {
-                fine.numbers.extend(u32::try_from(places.len() - 1));
-                fine.cells.push(Cell { key: cell.key(), stats });
+                fine.cells.push(cell.id());
                 fine.of.push(*of);
+                fine.points += cell.density();
             }
         }
         if fine.cells.len() < places.len() {
@@ -59,17 +61,32 @@ impl<'m> Fine<'m> {
         fine
     }
 
-    /// The cell of the grid at a place.
+    /// The cells laid out for regions to grow over.
+    pub(crate) fn field(&self) -> Result<Field, RegionsError> {
+        let cell = |at: usize| {
+            let cell = self.cells.get(at).and_then(|id| self.grid.get(*id));
+            // All are cells of the grid.
+            cell.map_or(Cell { key: [0; 3], stats: Stats::new([0.0; 3]) }, |cell| Cell {
+                key: cell.key(),
+                stats: cell.stats(),
+            })
+        };
+        Field::of_each(self.cells.len(), cell, self.grid.cell_size())
+    }
+
+    /// The number of the cell of the grid at a place.
     pub(crate) fn number(&self, place: usize) -> Option<u32> {
-        self.numbers.get(place).copied()
+        u32::try_from(self.cells.get(place)?.index()).ok()
     }
 
     /// Gives the cells the errors that flat places show, which are then in `errors`.
     pub(crate) fn find_errors(&self, field: &mut Field, errors: &mut Errors) -> Result<(), RegionsError> {
         errors.find_level(field, &self.of);
         field.set_noise(|at| {
-            let stats = &self.cells[at].stats;
-            errors.of_place(stats, self.of[at]) * stats.count() as f64
+            let stats = self.grid.get(self.cells[at]).map(|cell| cell.stats());
+            stats.map_or(SymmetricMatrix3::ZERO, |stats| {
+                errors.of_place(&stats, self.of[at]) * stats.count() as f64
+            })
         })
     }
 

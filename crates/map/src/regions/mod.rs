@@ -8,7 +8,7 @@ mod streamed;
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
-use terrace_regions::{Field, Found, Grown as Surfaces, Labeller, Measure, Region};
+use terrace_regions::{Found, Grown as Surfaces, Labeller, Measure, Region};
 use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
@@ -99,7 +99,7 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let (mut nodes, mut fine) = rayon::join(
+        let (mut nodes, fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
             || Fine::of(cells, coarse),
         );
@@ -109,18 +109,15 @@ impl<'m> Grown<'m> {
         let mut errors = Errors::of(mapper, &nodes, floor);
         let known = nodes.know_errors();
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
-        let points = fine.cells.iter().map(|cell| cell.stats.count()).sum();
-        let mut field = Field::of(&fine.cells, cells.cell_size())?;
+        let mut field = fine.field()?;
         if !known {
             fine.find_errors(&mut field, &mut errors)?;
         }
-        // They have said what they know.
-        fine.cells = Vec::new();
         // Regions grow one after the other: what does not need them has the other threads.
         let (grown, ()) =
             rayon::join(|| Surfaces::of(field, &settings_of_find), || nodes.find_normals(mapper.params()));
-        let found =
-            grown?.find(points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
+        let found = grown?
+            .find(fine.points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
