@@ -1,7 +1,7 @@
 //! Planes of sums, and how well they fit.
 
 use glam::DVec3;
-use terrace_normals::{EigenvalueBounds, PlaneFit, fit_plane};
+use terrace_normals::{PlaneFit, fit_plane};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 
 /// A neighbourhood with fewer points says too little.
@@ -119,14 +119,19 @@ pub(crate) fn stats(sum: &Moments) -> Stats {
     Stats::from_moments([0.0; 3], *sum)
 }
 
-/// A bound from below of the tilt of the plane through the points of some sums; `None` when it is not flat for sure, or they are too few.
+// What is known of points from their sums alone, without a plane fitted, and without roots: tiles are asked for it again and again.
+//
+// With eigenvalues λ₀ ≤ λ₁ ≤ λ₂ of the scatter C, trace t, determinant d and m = λ₀λ₁ + λ₀λ₂ + λ₁λ₂ the sum of the principal
+// minors: λ₀ ≥ d/m, λ₁ ≤ t/2, and any unit vector n at the angle θ from the first eigenvector has nᵀCn ≥ λ₁ sin²θ.
+
+/// A bound from below of the tilt of the plane through the points; `None` when it is not flat for sure, or they are too few.
 pub(crate) fn least_tilt(sum: &Moments, noise: Noise, chi_squared: f64) -> Option<f64> {
     let points = sum.weight();
     if points < FEWEST {
         return None;
     }
-    let bounds = EigenvalueBounds::of(&sum.covariance()?);
-    let thickness = bounds.least[0] * points / (points - 3.0);
+    let [trace, minors, determinant] = sum.covariance()?.invariants();
+    let thickness = (determinant / minors).max(0.0) * points / (points - 3.0);
     let [least, most] = sum.mean_noise()?.range();
     let [_, _, depth] = sum.mean()?;
     let floor = (noise.floor * depth).powi(2);
@@ -134,15 +139,18 @@ pub(crate) fn least_tilt(sum: &Moments, noise: Noise, chi_squared: f64) -> Optio
     if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * most {
         return None;
     }
-    let tilt = (thickness.max(least) / (points * bounds.middle[1])).sqrt() * (1.0 - ROUNDING);
+    let tilt = (thickness.max(least) / (points * 0.5 * trace)).sqrt() * (1.0 - ROUNDING);
     // Not a number where all is zero, and then of no plane.
     (!tilt.is_nan()).then_some(tilt)
 }
 
-/// Whether the plane through the points of some sums is turned by less than an angle against another for sure, by the sine squared.
+/// Whether the plane through the points is turned by less than an angle against another for sure, by the sine squared.
 pub(crate) fn is_along(sum: &Moments, plane: &Flat, sine_squared: f64) -> bool {
     sum.covariance().is_some_and(|scatter| {
-        let variance = scatter.quadratic_form(plane.normal.to_array());
-        EigenvalueBounds::of(&scatter).is_within(variance, sine_squared)
+        let [trace, minors, _] = scatter.invariants();
+        let off = scatter.quadratic_form(plane.normal.to_array());
+        // λ₁ λ₂ = m − λ₀ (λ₁ + λ₂), λ₀ ≤ nᵀCn and λ₂ ≤ t.
+        let across = (minors - off * trace) / trace;
+        off <= sine_squared * across * (1.0 - ROUNDING)
     })
 }

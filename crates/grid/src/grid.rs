@@ -252,7 +252,7 @@ impl VoxelGrid {
         let block = BlockKey::of(key);
         match self.met(block, block.recent(), place_of(key)) {
             Some(home) => Ok((home, false)),
-            None => self.looked_up_or_new(key, block),
+            None => self.looked_up_or_new(key[0], key[1], key[2]),
         }
     }
 
@@ -267,9 +267,12 @@ impl VoxelGrid {
         Some(Home { part: last.part, slot })
     }
 
-    /// The same, for a block or a cell that was not met just before.
+    /// The same, for a block or a cell that was not met just before. The key is handed over in registers: as an array it is written to
+    /// memory by all who might call this, number by number, and read at once, which the processor has to wait for.
     #[inline(never)]
-    fn looked_up_or_new(&mut self, key: VoxelKey, block_key: BlockKey) -> Result<(Home, bool), GridError> {
+    fn looked_up_or_new(&mut self, x: i32, y: i32, z: i32) -> Result<(Home, bool), GridError> {
+        let key = [x, y, z];
+        let block_key = BlockKey::of(key);
         let (part, block) = match self.block_of(block_key) {
             Some(known) => known,
             None if self.homes.len() < MOST_CELLS => {

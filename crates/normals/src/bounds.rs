@@ -42,7 +42,7 @@ impl EigenvalueBounds {
     /// passed. The other two have a known sum and product then.
     #[inline]
     pub fn of(covariance: &SymmetricMatrix3) -> Self {
-        let (trace, minors, determinant) = invariants(covariance);
+        let [trace, minors, determinant] = covariance.invariants();
         let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
         let slope = |x: f64| (3.0 * x - 2.0 * trace) * x + minors;
         let mut root = (determinant / minors).max(0.0);
@@ -82,10 +82,4 @@ impl EigenvalueBounds {
         let ([least, _], [middle, _]) = (self.least, self.middle);
         variance < (sine_squared * middle + (1.0 - sine_squared) * least) * (1.0 - ROUNDING)
     }
-}
-
-/// Trace, sum of the principal minors, determinant.
-fn invariants(SymmetricMatrix3([xx, xy, xz, yy, yz, zz]): &SymmetricMatrix3) -> (f64, f64, f64) {
-    let (a, b, c) = (yy * zz - yz * yz, xy * zz - yz * xz, xy * yz - yy * xz);
-    (xx + yy + zz, a + (xx * zz - xz * xz) + (xx * yy - xy * xy), xx * a - xy * b + xz * c)
 }

@@ -74,6 +74,14 @@ impl SymmetricMatrix3 {
         xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + xz * x * z + yz * y * z)
     }
 
+    /// Trace, sum of the principal minors, determinant: the coefficients of the characteristic polynomial.
+    #[inline]
+    pub fn invariants(&self) -> [f64; 3] {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        let (a, b, c) = (yy * zz - yz * yz, xy * zz - yz * xz, xy * yz - yy * xz);
+        [xx + yy + zz, a + (xx * zz - xz * xz) + (xx * yy - xy * xy), xx * a - xy * b + xz * c]
+    }
+
     /// Bounds of `vᵀ M v` for any unit `v`, from below and above: Gershgorin's. Those of a diagonal matrix are its least and largest
     /// entry.
     #[inline]
