@@ -14,7 +14,27 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use serde_json::Value;
+use tempfile::TempDir;
 use terrace_io::planes_json::PlanesFile;
+
+/// A folder of a test's own, gone after it.
+#[derive(Debug)]
+pub struct Folder(TempDir);
+
+impl Folder {
+    /// An empty one.
+    #[allow(clippy::new_without_default, reason = "it makes a folder")]
+    #[must_use]
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// The path of a file or folder in it.
+    #[must_use]
+    pub fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().unwrap().to_owned()
+    }
+}
 
 /// What a run of the program left behind.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,53 +6,40 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tempfile::TempDir;
 use terrace_io::planes_json::{PlaneRecord, TiltOffset};
 use terrace_synth::{Params, Scene, SceneKind};
-use terrace_tests::{Run, planes, planes_without_times, terrace};
+use terrace_tests::{Folder, Run, planes, planes_without_times, terrace};
 use terrace_types::Frame;
 
 /// The squared distance of three coordinates in their standard deviations that no honest estimate passes in these scenes:
 /// that of five standard deviations of one.
 const TOO_FAR: f64 = 25.0;
 
-struct Folder(TempDir);
+/// The table, scanned.
+fn table() -> Folder {
+    let folder = Folder::new();
+    let _ = terrace(["synth", "table", "--seed", "5", "--out", &folder.path("truth")]).ended_with(0);
+    folder
+}
 
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
+fn extract(folder: &Folder, scan: &str, arguments: &[&str]) -> Run {
+    let (scan, out) = (folder.path(scan), folder.path("out"));
+    terrace(["extract", &scan, "--out", &out, "--no-points"].iter().chain(arguments)).ended_with(0)
+}
 
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().unwrap().to_owned()
-    }
+fn planes_in(folder: &Folder, name: &str) -> Vec<PlaneRecord> {
+    planes(Path::new(&folder.path(name))).planes
+}
 
-    /// The table, scanned.
-    fn table() -> Self {
-        let folder = Self::new();
-        let _ = terrace(["synth", "table", "--seed", "5", "--out", &folder.path("truth")]).ended_with(0);
-        folder
-    }
+fn parameter(folder: &Folder, name: &str) -> Value {
+    planes(Path::new(&folder.path("out"))).parameters[name].clone()
+}
 
-    fn extract(&self, scan: &str, arguments: &[&str]) -> Run {
-        let (scan, out) = (self.path(scan), self.path("out"));
-        terrace(["extract", &scan, "--out", &out, "--no-points"].iter().chain(arguments)).ended_with(0)
-    }
-
-    fn planes(&self, name: &str) -> Vec<PlaneRecord> {
-        planes(Path::new(&self.path(name))).planes
-    }
-
-    fn parameter(&self, name: &str) -> Value {
-        planes(Path::new(&self.path("out"))).parameters[name].clone()
-    }
-
-    /// The plane found that has most points of all within a tenth of a radian of a true one.
-    fn found(&self, truth: &PlaneRecord) -> PlaneRecord {
-        let alike = |plane: &PlaneRecord| dot(normal(plane), normal(truth)).abs() > 0.995;
-        let found = self.planes("out").into_iter().find(alike);
-        found.unwrap_or_else(|| panic!("{:?} is not found", truth.name))
-    }
+/// The plane found that has most points of all within a tenth of a radian of a true one.
+fn found(folder: &Folder, truth: &PlaneRecord) -> PlaneRecord {
+    let alike = |plane: &PlaneRecord| dot(normal(plane), normal(truth)).abs() > 0.995;
+    let found = planes_in(folder, "out").into_iter().find(alike);
+    found.unwrap_or_else(|| panic!("{:?} is not found", truth.name))
 }
 
 fn normal(plane: &PlaneRecord) -> [f64; 3] {
@@ -136,14 +123,14 @@ fn check(plane: &PlaneRecord) {
 
 #[test]
 fn the_true_planes_are_where_the_covariance_says() {
-    let folder = Folder::table();
+    let folder = table();
     for preset in ["default", "clusters"] {
-        let run = folder.extract("truth/points.ply", &["--preset", preset]);
+        let run = extract(&folder, "truth/points.ply", &["--preset", preset]);
         assert!(run.stdout.contains("tilt deg   off mm"), "{}", run.stdout);
         assert!(!run.stdout.contains("standard errors of the points"), "{}", run.stdout);
         assert!(run.stdout.lines().all(|line| line.chars().count() <= 120), "{}", run.stdout);
-        for truth in folder.planes("truth") {
-            let found = folder.found(&truth);
+        for truth in planes_in(&folder, "truth") {
+            let found = found(&folder, &truth);
             check(&found);
             let distance = squared_distance(&found, &truth);
             assert!(distance < TOO_FAR, "{:?}: {distance}", truth.name);
@@ -153,21 +140,21 @@ fn the_true_planes_are_where_the_covariance_says() {
             assert!((0.9..1.1).contains(&found.reduced_chi_squared.unwrap()), "{found:?}");
             assert!(found.min_max.is_some());
         }
-        for plane in folder.planes("out").iter().filter(|plane| plane.covariance.is_some()) {
+        for plane in planes_in(&folder, "out").iter().filter(|plane| plane.covariance.is_some()) {
             check(plane);
         }
-        assert_eq!(folder.parameter("estimate"), json!({ "floor": 0.0 }));
-        assert_eq!(folder.parameter("noise_found"), json!(null));
+        assert_eq!(parameter(&folder, "estimate"), json!({ "floor": 0.0 }));
+        assert_eq!(parameter(&folder, "noise_found"), json!(null));
     }
 }
 
 #[test]
 fn covariances_can_be_left_out() {
-    let folder = Folder::table();
+    let folder = table();
     for arguments in
         [&["--no-covariance"][..], &["--no-covariance", "--preset", "clusters"], &["--preset", "paper"]]
     {
-        let run = folder.extract("truth/points.ply", arguments);
+        let run = extract(&folder, "truth/points.ply", arguments);
         assert!(run.stdout.contains("s_z") && !run.stdout.contains("tilt"), "{}", run.stdout);
         let file = planes_without_times(Path::new(&folder.path("out")));
         assert_eq!([&file["parameters"]["estimate"], &file["parameters"]["noise_found"]], [&json!(null); 2]);
@@ -181,11 +168,11 @@ fn covariances_can_be_left_out() {
 
 #[test]
 fn a_floor_is_added_to_the_offset() {
-    let folder = Folder::table();
-    let _ = folder.extract("truth/points.ply", &["--floor", "0.01"]);
-    assert_eq!(folder.parameter("estimate"), json!({ "floor": 0.01 }));
-    for truth in folder.planes("truth") {
-        let found = folder.found(&truth);
+    let folder = table();
+    let _ = extract(&folder, "truth/points.ply", &["--floor", "0.01"]);
+    assert_eq!(parameter(&folder, "estimate"), json!({ "floor": 0.01 }));
+    for truth in planes_in(&folder, "truth") {
+        let found = found(&folder, &truth);
         check(&found);
         assert!((0.01..0.0101).contains(&own(&found).offset()), "{found:?}");
         assert!(own(&found).largest_tilt() > 0.01, "{found:?}");
@@ -194,7 +181,7 @@ fn a_floor_is_added_to_the_offset() {
 
 #[test]
 fn a_floor_that_makes_no_sense_is_refused() {
-    let folder = Folder::table();
+    let folder = table();
     let (scan, out) = (folder.path("truth/points.ply"), folder.path("out"));
     for (arguments, told) in [
         (&["--floor", "-0.01"][..], "floor is -0.01"),
@@ -217,33 +204,33 @@ fn lines(points: &[[f64; 3]]) -> String {
 
 #[test]
 fn errors_that_nobody_stated_are_found_and_told() {
-    let folder = Folder::table();
+    let folder = table();
     let scans = Scene::new(SceneKind::Table).generate(&Params { seed: 5, ..Params::default() }).unwrap();
     std::fs::write(folder.path("bare.xyz"), lines(scans.merged().scan.points())).unwrap();
-    let run = folder.extract("bare.xyz", &[]);
+    let run = extract(&folder, "bare.xyz", &[]);
     assert!(run.stdout.contains("found from the residuals of"), "{}", run.stdout);
-    assert_eq!(folder.parameter("errors"), json!(null));
-    let noise = folder.parameter("noise_found");
+    assert_eq!(parameter(&folder, "errors"), json!(null));
+    let noise = parameter(&folder, "noise_found");
     assert!(noise["places"].as_u64().unwrap() > 50, "{noise}");
     let knots = noise["knots"].as_array().unwrap();
     assert!(knots.iter().all(|knot| knot["range"].is_null()), "nobody told where the sensor was: {noise}");
     // The table has white noise of a centimetre.
     let middle = knots[knots.len() / 2]["along"].as_f64().unwrap();
     assert!((0.009..0.011).contains(&middle), "{noise}");
-    for truth in folder.planes("truth") {
-        let found = folder.found(&truth);
+    for truth in planes_in(&folder, "truth") {
+        let found = found(&folder, &truth);
         check(&found);
         let distance = squared_distance(&found, &truth);
         assert!(distance < TOO_FAR, "{:?}: {distance}", truth.name);
     }
 
-    let run = folder.extract("bare.xyz", &["--no-covariance", "--preset", "clusters"]);
+    let run = extract(&folder, "bare.xyz", &["--no-covariance", "--preset", "clusters"]);
     assert!(run.stdout.contains("are unknown (--sigma, --sensor): "), "{}", run.stdout);
-    assert_eq!(folder.parameter("noise_found"), json!(null));
+    assert_eq!(parameter(&folder, "noise_found"), json!(null));
     // Regions cannot do without.
-    let run = folder.extract("bare.xyz", &["--no-covariance"]);
+    let run = extract(&folder, "bare.xyz", &["--no-covariance"]);
     assert!(run.stdout.contains("found from the residuals of"), "{}", run.stdout);
-    let knots = &folder.parameter("noise_found")["knots"];
+    let knots = &parameter(&folder, "noise_found")["knots"];
     let middle = knots[knots.as_array().unwrap().len() / 2]["along"].as_f64().unwrap();
     assert!((0.009..0.011).contains(&middle), "{knots}");
 }
@@ -254,9 +241,9 @@ fn points_without_noise_have_no_covariance() {
     let points: Vec<_> =
         (0..4000).map(|i| [f64::from(i % 80) * 0.02, 4.0, f64::from(i / 80) * 0.02]).collect();
     std::fs::write(folder.path("exact.xyz"), lines(&points)).unwrap();
-    let _ = folder.extract("exact.xyz", &[]);
-    assert_eq!(folder.planes("out").len(), 1);
-    assert!(folder.planes("out").iter().all(|plane| plane.covariance.is_none()));
+    let _ = extract(&folder, "exact.xyz", &[]);
+    assert_eq!(planes_in(&folder, "out").len(), 1);
+    assert!(planes_in(&folder, "out").iter().all(|plane| plane.covariance.is_none()));
 }
 
 /// The views of the room as files of their own, with their poses.
@@ -279,16 +266,16 @@ fn views(folder: &Folder) -> [String; 2] {
 fn a_posed_sequence_tells_errors_by_distance_and_those_of_poses() {
     let folder = Folder::new();
     let [_, poses] = views(&folder);
-    let run = folder.extract("view*.xyz", &["--poses", &poses]);
+    let run = extract(&folder, "view*.xyz", &["--poses", &poses]);
     assert!(run.stdout.contains("along rays"), "{}", run.stdout);
-    let noise = folder.parameter("noise_found");
+    let noise = parameter(&folder, "noise_found");
     let knots = noise["knots"].as_array().unwrap();
     assert!(knots.iter().all(|knot| knot["range"].as_f64().unwrap() > 0.0), "{noise}");
-    let sure = folder.planes("out").swap_remove(0);
+    let sure = planes_in(&folder, "out").swap_remove(0);
     check(&sure);
 
-    let _ = folder.extract("view*.xyz", &["--poses", &poses, "--pose-sigma", "0.02,0deg"]);
-    let unsure = folder.planes("out").swap_remove(0);
+    let _ = extract(&folder, "view*.xyz", &["--poses", &poses, "--pose-sigma", "0.02,0deg"]);
+    let unsure = planes_in(&folder, "out").swap_remove(0);
     check(&unsure);
     // Two centimetres that all points of a view share, and at most fourteen views.
     assert!(own(&unsure).offset() > 0.02 / 14_f64.sqrt() && own(&unsure).offset() < 0.03, "{unsure:?}");

@@ -4,44 +4,31 @@
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
 use terrace_io::planes_json::{PlaneRecord, PlanesFile};
-use terrace_tests::{Run, planes, terrace};
+use terrace_tests::{Folder, Run, planes, terrace};
 
-struct Folder(TempDir);
+/// The points of a room in three files of unequal length.
+fn room_in_parts(folder: &Folder) -> [String; 3] {
+    let out = folder.path("room");
+    let _ = terrace(["synth", "room", "--points", "150000", "--seed", "4", "--out", &out]).ended_with(0);
+    let bytes = std::fs::read(format!("{out}/points.ply")).unwrap();
+    let end = b"end_header\n";
+    let begin = bytes.windows(end.len()).position(|text| text == end).unwrap() + end.len();
+    let header = String::from_utf8(bytes[..begin].to_vec()).unwrap();
+    let stride = (bytes.len() - begin) / 150_000;
+    [("1.ply", 0..40_000), ("2.ply", 40_000..50_000), ("3.ply", 50_000..150_000)].map(|(name, points)| {
+        let mut part = header.replace("vertex 150000", &format!("vertex {}", points.len())).into_bytes();
+        part.extend(&bytes[begin + points.start * stride..begin + points.end * stride]);
+        let path = folder.path(name);
+        std::fs::write(&path, part).unwrap();
+        path
+    })
+}
 
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().unwrap().to_owned()
-    }
-
-    /// The points of a room in three files of unequal length.
-    fn room_in_parts(&self) -> [String; 3] {
-        let out = self.path("room");
-        let _ = terrace(["synth", "room", "--points", "150000", "--seed", "4", "--out", &out]).ended_with(0);
-        let bytes = std::fs::read(format!("{out}/points.ply")).unwrap();
-        let end = b"end_header\n";
-        let begin = bytes.windows(end.len()).position(|text| text == end).unwrap() + end.len();
-        let header = String::from_utf8(bytes[..begin].to_vec()).unwrap();
-        let stride = (bytes.len() - begin) / 150_000;
-        [("1.ply", 0..40_000), ("2.ply", 40_000..50_000), ("3.ply", 50_000..150_000)].map(|(name, points)| {
-            let mut part = header.replace("vertex 150000", &format!("vertex {}", points.len())).into_bytes();
-            part.extend(&bytes[begin + points.start * stride..begin + points.end * stride]);
-            let path = self.path(name);
-            std::fs::write(&path, part).unwrap();
-            path
-        })
-    }
-
-    fn merge(&self, maps: &[&str], out: &str) -> PlanesFile {
-        let out = self.path(out);
-        let _ = terrace(["merge", "--out", &out].iter().chain(maps)).ended_with(0);
-        planes(Path::new(&out))
-    }
+fn merged(folder: &Folder, maps: &[&str], out: &str) -> PlanesFile {
+    let out = folder.path(out);
+    let _ = terrace(["merge", "--out", &out].iter().chain(maps)).ended_with(0);
+    planes(Path::new(&out))
 }
 
 /// Extracts a part and saves its map beside it.
@@ -80,7 +67,7 @@ fn assert_same(found: &[PlaneRecord], expected: &[PlaneRecord], points: f64) {
 #[test]
 fn the_merged_map_of_parts_has_the_planes_of_one_run() {
     let folder = Folder::new();
-    let parts = folder.room_in_parts();
+    let parts = room_in_parts(&folder);
     // Samples of regions tell some of the points near where planes meet otherwise; clusters have those of their cells.
     for (preset, points) in [("default", 0.002), ("clusters", 0.0)] {
         let options = ["--cell", "0.1", "--preset", preset];
@@ -99,7 +86,7 @@ fn the_merged_map_of_parts_has_the_planes_of_one_run() {
         let [a, b, c] = maps.each_ref().map(String::as_str);
 
         let all = folder.path("all.parquet");
-        let found = folder.merge(&[a, b, c, "--save-map", &all], "merged");
+        let found = merged(&folder, &[a, b, c, "--save-map", &all], "merged");
         assert_same(&found.planes, &expected.planes, points);
         assert_eq!(found.summary.unwrap().points, 150_000);
         assert_eq!(found.parameters["inputs"], 3);
@@ -108,32 +95,32 @@ fn the_merged_map_of_parts_has_the_planes_of_one_run() {
             assert_eq!(found.parameters[name], expected.parameters[name], "{name}");
         }
         // Another order, other parts, or the merged map alone.
-        assert_same(&folder.merge(&[c, a, b], "other").planes, &expected.planes, points);
-        assert_eq!(folder.merge(&[&all], "again").planes, found.planes);
+        assert_same(&merged(&folder, &[c, a, b], "other").planes, &expected.planes, points);
+        assert_eq!(merged(&folder, &[&all], "again").planes, found.planes);
     }
 }
 
 #[test]
 fn settings_can_be_changed_when_maps_are_merged() {
     let folder = Folder::new();
-    let [_, part, _] = folder.room_in_parts();
+    let [_, part, _] = room_in_parts(&folder);
     let map = save(&part, &["--cell", "0.1"]);
-    let found = folder.merge(&[&map, "--join", "coplanar", "--tau", "7", "--min-points", "900"], "out");
+    let found = merged(&folder, &[&map, "--join", "coplanar", "--tau", "7", "--min-points", "900"], "out");
     let regions = &found.parameters["regions"];
     assert_eq!((&regions["join"], &found.parameters["tau"]), (&"coplanar".into(), &7.into()));
     assert!(!found.planes.is_empty() && found.planes.iter().all(|plane| plane.points >= 800));
-    let none = folder.merge(&[&map, "--no-covariance"], "out");
+    let none = merged(&folder, &[&map, "--no-covariance"], "out");
     assert!(none.planes.iter().all(|plane| plane.covariance.is_none()));
     // Where planes were saved without a join, and others with one, an option decides.
     let joined = folder.path("joined.parquet");
-    let _ = folder.merge(&[&map, "--join", "coplanar", "--save-map", &joined], "out");
+    let _ = merged(&folder, &[&map, "--join", "coplanar", "--save-map", &joined], "out");
     let refused = merge(&[&map, &joined], &folder).ended_with(1);
     assert!(
         refused.stderr.contains("regions.join") && refused.stderr.contains("Coplanar"),
         "{}",
         refused.stderr
     );
-    let _ = folder.merge(&[&map, &joined, "--join", "touching"], "out");
+    let _ = merged(&folder, &[&map, &joined, "--join", "touching"], "out");
 }
 
 fn merge(arguments: &[&str], folder: &Folder) -> Run {
@@ -143,7 +130,7 @@ fn merge(arguments: &[&str], folder: &Folder) -> Run {
 #[test]
 fn maps_that_do_not_fit_are_told() {
     let folder = Folder::new();
-    let [one, other, _] = folder.room_in_parts();
+    let [one, other, _] = room_in_parts(&folder);
     let map = save(&one, &["--cell", "0.1"]);
     let told = |file: &str, words: &[&str]| {
         let run = merge(&[&map, file], &folder).ended_with(1);
@@ -184,7 +171,7 @@ fn maps_that_do_not_fit_are_told() {
 #[test]
 fn maps_that_do_not_add_up_are_not_saved() {
     let folder = Folder::new();
-    let [_, part, _] = folder.room_in_parts();
+    let [_, part, _] = room_in_parts(&folder);
     let (map, out) = (folder.path("paper.parquet"), folder.path("out"));
     let run =
         terrace(["extract", &part, "--preset", "paper", "--out", &out, "--save-map", &map]).ended_with(2);
@@ -207,6 +194,6 @@ fn info_tells_what_a_map_holds() {
         assert!(run.stdout.contains(line), "{}", run.stdout);
     }
     assert!(run.stdout.contains("0.0000 to 0.0500 m"), "{}", run.stdout);
-    let found = folder.merge(&[&map], "merged");
+    let found = merged(&folder, &[&map], "merged");
     assert!(found.planes.is_empty() && found.summary.unwrap().points == 3);
 }
