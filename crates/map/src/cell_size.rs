@@ -2,22 +2,18 @@
 
 use std::borrow::Cow;
 
-use foldhash::fast::FixedState;
-use hashbrown::HashMap;
 use rayon::prelude::*;
 use terrace_noise::PoseNoise;
 use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
 use terrace_types::Scan;
 
+use crate::nearest::{Near, nearest};
+
 /// Cells are this many point spacings wide, so that a flat cell holds about twenty-five points.
 const SPACINGS: f64 = 5.0;
 /// Cells are this many standard errors wide, so that noise does not scatter a surface over several layers.
 const SIGMAS: f64 = 6.0;
-/// Bits that tell which voxels are near a place: many more than there are such voxels.
-const MARKS: usize = 1 << 17;
-/// Points whose marks are looked for at once.
-const BATCH: usize = 128;
 /// Places at which the scan is looked at.
 const SAMPLES: usize = 256;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
@@ -68,11 +64,9 @@ pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64)
     // Half a stride in, so that a scan's first row or ring is not favoured.
     let samples: Vec<[f64; 3]> = points.iter().copied().skip(stride / 2).step_by(stride).collect();
     let mut reach = first_reach(&samples, points.len())?;
+    let mut local = vec![Local::default(); samples.len()];
     for _ in 0..DOUBLINGS {
-        // On several threads each looks at all points, for some of the samples.
-        let each = samples.len().div_ceil(rayon::current_num_threads());
-        let parts = samples.par_chunks(each).map(|samples| near_each(&points, samples, reach));
-        let local: Vec<Local> = parts.flatten_iter().collect();
+        look_around(&points, &samples, reach, &mut local);
         let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
         let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
         let most = |seen: &[f64]| 2 * seen.len() > samples.len();
@@ -92,6 +86,8 @@ pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64)
     None
 }
 
+/// What the neighbours of a place show.
+#[derive(Debug, Clone, Copy, Default)]
 struct Local {
     spacing: Option<f64>,
     noise: Option<f64>,
@@ -111,110 +107,27 @@ fn first_reach(samples: &[[f64; 3]], points: usize) -> Option<f64> {
     (reach.is_normal()).then_some(reach)
 }
 
-/// What is within `reach` of each sample. Only the voxels around samples are filled, so that one look-up per point does.
-fn near_each(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64) -> Vec<Local> {
-    let per_reach = 1.0 / reach;
-    let key = |p: &[f64; 3]| p.map(|x| floor(x * per_reach));
-    let mut places = [0; BATCH];
-    let around = |centre: [i64; 3]| {
-        (0..27).map(move |i: i64| {
-            [
-                centre[0].saturating_add(i / 9 - 1),
-                centre[1].saturating_add(i / 3 % 3 - 1),
-                centre[2].saturating_add(i % 3 - 1),
-            ]
-        })
-    };
-    let mut buckets: HashMap<[i64; 3], Vec<[f64; 3]>, FixedState> =
-        samples.iter().flat_map(|sample| around(key(sample))).map(|key| (key, Vec::new())).collect();
-    // Most points are near no sample, and told by a bit.
-    let mut marks = vec![0_u64; MARKS / 64];
-    for place in buckets.keys().map(mark) {
-        marks[place / 64] |= 1 << (place % 64);
+/// Looks within `reach` of those samples that had too few neighbours so far: the others have those that they had.
+fn look_around(points: &[[f64; 3]], samples: &[[f64; 3]], reach: f64, local: &mut [Local]) {
+    let open: Vec<usize> = (0..samples.len()).filter(|at| local[*at].noise.is_none()).collect();
+    let places: Vec<[f64; 3]> = open.iter().map(|at| samples[*at]).collect();
+    let found = nearest(points, &places, reach, PATCH);
+    let of_each: Vec<Local> = places
+        .par_iter()
+        .zip(&found)
+        .map(|(sample, near)| Local { spacing: spacing_of(near), noise: noise_of(sample, near) })
+        .collect();
+    for (at, of_sample) in open.into_iter().zip(of_each) {
+        local[at] = of_sample;
     }
-    for points in points.chunks(BATCH) {
-        // The same instructions, for more numbers at a time where the processor can.
-        pulp::Arch::new().dispatch(|| {
-            for (place, point) in places.iter_mut().zip(points) {
-                *place = mixed(point.map(|x| lowest_bits(x * per_reach)));
-            }
-        });
-        for (place, point) in places.iter().map(|mixed| place_of(*mixed)).zip(points) {
-            if marks[place / 64] >> (place % 64) & 1 == 1
-                && let Some(bucket) = buckets.get_mut(&key(point))
-            {
-                bucket.push(*point);
-            }
-        }
-    }
-    samples
-        .iter()
-        .map(|sample| {
-            let mut near: Vec<(f64, [f64; 3])> = around(key(sample))
-                .filter_map(|key| buckets.get(&key))
-                .flatten()
-                .map(|p| ((0..3).map(|i| (p[i] - sample[i]).powi(2)).sum(), *p))
-                .filter(|(squared, _)| *squared <= reach * reach)
-                .collect();
-            // No more than the nearest are looked at.
-            if near.len() > PATCH {
-                near.select_nth_unstable_by(PATCH, |a, b| a.0.total_cmp(&b.0));
-                near.truncate(PATCH);
-            }
-            near.sort_by(|a, b| a.0.total_cmp(&b.0));
-            Local { spacing: spacing_of(&near), noise: noise_of(sample, &near) }
-        })
-        .collect()
-}
-
-/// The place of a voxel among the marks.
-fn mark(key: &[i64; 3]) -> usize {
-    // Voxels that are 2³² apart share one.
-    #[allow(clippy::cast_possible_truncation)]
-    place_of(mixed(key.map(|k| k.cast_unsigned() as u32)))
-}
-
-// Into what it is dispatched to.
-#[allow(clippy::inline_always)]
-#[inline(always)]
-fn mixed([x, y, z]: [u32; 3]) -> u32 {
-    let mix = x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b) ^ z.wrapping_mul(0xc2b2_ae35);
-    (mix ^ mix >> 15).wrapping_mul(0x2c1b_3c6d)
-}
-
-/// The upper bits, as many as there are marks.
-#[inline]
-fn place_of(mixed: u32) -> usize {
-    (mixed >> (32 - MARKS.trailing_zeros())) as usize
-}
-
-/// The lowest bits of the largest integer up to a number, for numbers up to 2⁵¹: what is further out is found by no sample.
-#[allow(clippy::inline_always)]
-#[inline(always)]
-fn lowest_bits(x: f64) -> u32 {
-    /// Added to such numbers it rounds them, and leaves the integer in the lowest bits.
-    const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
-    let nearest = (x + ROUNDING) - ROUNDING;
-    let floor = nearest - if nearest > x { 1.0 } else { 0.0 };
-    #[allow(clippy::cast_possible_truncation)]
-    let bits = (floor + ROUNDING).to_bits() as u32;
-    bits
-}
-
-/// The largest integer up to a number. Saturates for far outliers, which then share a voxel at the edge of the world: harmless here.
-#[inline]
-fn floor(x: f64) -> i64 {
-    #[allow(clippy::cast_possible_truncation)]
-    let towards_zero = x as i64;
-    towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }
 
 /// `near` begins with the sample itself.
-fn spacing_of(near: &[(f64, [f64; 3])]) -> Option<f64> {
+fn spacing_of(near: &[Near]) -> Option<f64> {
     near.get(NEAR).map(|(squared, _)| (squared * std::f64::consts::PI / NEAR as f64).sqrt())
 }
 
-fn noise_of(sample: &[f64; 3], near: &[(f64, [f64; 3])]) -> Option<f64> {
+fn noise_of(sample: &[f64; 3], near: &[Near]) -> Option<f64> {
     let patch = near.get(..PATCH)?;
     let mut stats = Stats::new(*sample);
     for (_, point) in patch {

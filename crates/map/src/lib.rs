@@ -72,6 +72,7 @@ mod extract;
 mod facing;
 mod first;
 mod mapper;
+mod nearest;
 mod nodes;
 mod optimise;
 mod packed;
