@@ -225,7 +225,7 @@ mod tests {
                 prop_assert_eq!(squared, distances(&points, place, reach, most));
                 for (squared, point) in near {
                     let off: f64 = (0..3).map(|i| (point[i] - place[i]).powi(2)).sum();
-                    prop_assert_eq!(off, *squared);
+                    prop_assert_eq!(off.to_bits(), squared.to_bits());
                 }
             }
         }
