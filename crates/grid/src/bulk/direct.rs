@@ -15,8 +15,8 @@ const SPARSE: usize = 16;
 const IN_ORDER: usize = 8;
 
 impl VoxelGrid {
-    /// Whether most points are near those before, so that cells need not be brought together first.
-    pub(super) fn are_in_order(&self, points: &[[f64; 3]]) -> bool {
+    /// Whether most points are near those before, as in the order of a scan, by looking at two thousand of them.
+    pub fn are_in_order(&self, points: &[[f64; 3]]) -> bool {
         let stride = (points.len() / LOOKS).max(SPARSE * BATCH);
         let (mut seen, mut new) = (0, 0);
         let mut located = Located::new();

@@ -76,11 +76,11 @@ impl VoxelGrid {
         cells: &mut Vec<Option<CellId>>,
         places: Option<&mut Vec<[f32; 3]>>,
     ) -> Result<Taken, GridError> {
-        self.insert_on(rayon::current_num_threads(), points, errors, cells, places)
+        self.insert_by(false, points, errors, cells, places)
     }
 
-    /// As [`insert_all`](Self::insert_all), to the bit, on the calling thread where points come in order: for those who have other work
-    /// for the others. Takes less CPU time than on several.
+    /// As [`insert_all`](Self::insert_all), to the bit, and on the calling thread alone: for those who have other work for the others.
+    /// Takes less CPU time than on several for points that [come in order](Self::are_in_order), and more for others.
     ///
     /// # Errors
     /// As [`insert_all`](Self::insert_all).
@@ -91,12 +91,12 @@ impl VoxelGrid {
         cells: &mut Vec<Option<CellId>>,
         places: Option<&mut Vec<[f32; 3]>>,
     ) -> Result<Taken, GridError> {
-        self.insert_on(1, points, errors, cells, places)
+        self.insert_by(true, points, errors, cells, places)
     }
 
-    fn insert_on(
+    fn insert_by(
         &mut self,
-        threads: usize,
+        alone: bool,
         points: &[[f64; 3]],
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
@@ -117,7 +117,7 @@ impl VoxelGrid {
             // Where cells may run out, the first points get them, as one by one.
             let room = self.len() + points.len() <= MOST_CELLS;
             let by_voxel = self.assignment == Assignment::Voxel && room;
-            if by_voxel && threads == 1 && self.are_in_order(points) {
+            if by_voxel && (alone || rayon::current_num_threads() == 1 && self.are_in_order(points)) {
                 taken.add(&self.insert_in_order(&chunk, cells, places.as_deref_mut()));
                 continue;
             }

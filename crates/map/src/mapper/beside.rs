@@ -2,26 +2,42 @@
 //!
 //! Two threads are done sooner so than with each step on both: that of many points into cells takes half as much again in all then.
 
-use std::mem::swap;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
-use terrace_grid::{CellId, Taken};
+use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
 use terrace_regions::Samples;
 use terrace_types::Scan;
 
 use super::insert::{both, number};
+use super::line::{Line, lock};
 use super::{Kept, Mapper};
 use crate::InsertError;
 use crate::seen::Seen;
 use crate::world::World;
 
-/// Points that are in the same step: long enough for threads to wait for each other, and short enough to stay in the cache.
-const AT_ONCE: usize = 1 << 14;
+/// Points that are in the same step: they stay in the cache.
+const AT_ONCE: usize = 1 << 12;
+/// Parts between the first step and the last: so far one thread may be ahead of the other.
+const ROOM: usize = 6;
 
-/// Points whose cells are known.
+/// The steps: into the world, into the cells, and what becomes of points then.
+const WORLD: usize = 0;
+const CELLS: usize = 1;
+const BEHIND: usize = 2;
+
+/// Some points on their way.
 #[derive(Default)]
-struct Located {
+struct Part {
+    world: World,
     cells: Vec<Option<CellId>>,
     places: Vec<[f32; 3]>,
+}
+
+/// Where points go first.
+struct Front<'m> {
+    grid: &'m mut VoxelGrid,
+    taken: Result<Taken, GridError>,
 }
 
 /// What becomes of points once their cells are known.
@@ -37,46 +53,61 @@ struct Behind<'m> {
 impl Mapper {
     /// Adds points with weight 1, where regions are grown.
     pub(super) fn add_beside(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
-        let mut all = Taken::default();
         let mut kept = self.kept_of(scan.len());
         let matters = self.sightings_matter(scan);
         let keeps = self.seen.is_none();
-        let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(all) };
+        let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let unit = grid.place_unit();
         let seen = seen.as_mut().filter(|_| matters);
-        let mut behind = Behind { samples, seen, kept: keeps.then_some(&mut kept), unit };
-        let (mut before, mut now) = (Located::default(), Located::default());
-        let (mut world, mut next) = (World::default(), World::default());
-        let range = |first: usize| first.min(scan.len())..(first + AT_ONCE).min(scan.len());
-        world.make(scan, range(0));
-        for first in (0..scan.len()).step_by(AT_ONCE) {
-            now.cells.clear();
-            now.places.clear();
-            let (taken, ()) = rayon::join(
-                || {
-                    let (points, errors) = world.made(scan, range(first));
-                    grid.insert_alone(points, errors, &mut now.cells, Some(&mut now.places))
-                },
-                || {
-                    next.make(scan, range(first + AT_ONCE));
-                    behind.take(&before);
-                },
-            );
-            all = both(&all, &taken?);
-            swap(&mut before, &mut now);
-            swap(&mut world, &mut next);
-        }
-        behind.take(&before);
+        let behind = Mutex::new(Behind { samples, seen, kept: keeps.then_some(&mut kept), unit });
+        let front = Mutex::new(Front { grid, taken: Ok(Taken::default()) });
+        // Each is in one step at a time, which no other thread waits for.
+        let parts: [Mutex<Part>; ROOM] = Default::default();
+        let step = |step: usize, number: usize| {
+            let first = number * AT_ONCE;
+            let range = first..(first + AT_ONCE).min(scan.len());
+            let part = &mut *lock(&parts[number % ROOM]);
+            match step {
+                WORLD => part.world.make(scan, range),
+                CELLS => return lock(&front).take(part, scan, range),
+                _ => lock(&behind).take(part),
+            }
+            true
+        };
+        let line = Line::new(scan.len().div_ceil(AT_ONCE), ROOM);
+        let first = rayon::current_thread_index();
+        rayon::join(
+            || line.work([CELLS, WORLD, BEHIND], step),
+            || {
+                // A thread that waits for its own work would wait for ever.
+                if rayon::current_thread_index() != first {
+                    line.work([BEHIND, WORLD, CELLS], step);
+                }
+            },
+        );
+        let taken = front.into_inner().unwrap_or_else(PoisonError::into_inner).taken;
         if keeps {
             self.kept.push(kept);
         }
-        Ok(all)
+        Ok(taken?)
+    }
+}
+
+impl Front<'_> {
+    fn take(&mut self, part: &mut Part, scan: &Scan, range: Range<usize>) -> bool {
+        let Part { world, cells, places } = part;
+        cells.clear();
+        places.clear();
+        let (points, errors) = world.made(scan, range);
+        let taken = self.grid.insert_alone(points, errors, cells, Some(places));
+        self.taken = self.taken.and_then(|all| Ok(both(&all, &taken?)));
+        self.taken.is_ok()
     }
 }
 
 impl Behind<'_> {
-    fn take(&mut self, points: &Located) {
-        let Located { cells, places } = points;
+    fn take(&mut self, part: &Part) {
+        let Part { cells, places, .. } = part;
         self.samples.push_alone(|at| number(cells[at]), places);
         if let Some(seen) = &mut self.seen {
             seen.push(cells);

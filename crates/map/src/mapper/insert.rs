@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{CellId, GridError, Taken};
+use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
@@ -81,7 +81,7 @@ impl Mapper {
         self.coarse = OnceLock::new();
         let taken = match self.params.weighting {
             // With more of them, insertion itself is what they do.
-            Weighting::Uniform if self.params.grows().is_some() && rayon::current_num_threads() == 2 => {
+            Weighting::Uniform if rayon::current_num_threads() == 2 && self.grows_in_order(scan) => {
                 self.add_beside(scan)?
             }
             Weighting::Uniform => self.add_all(scan)?,
@@ -108,6 +108,12 @@ impl Mapper {
             }
             other => other,
         }
+    }
+
+    /// Whether regions are grown, and the points of a scan follow each other: in its frame as well as in the world.
+    fn grows_in_order(&self, scan: &Scan) -> bool {
+        let in_order = |grid: &VoxelGrid| grid.are_in_order(scan.points());
+        self.params.grows().is_some() && self.fine.as_ref().is_some_and(in_order)
     }
 
     /// Adds points with weight 1, many at once.

@@ -3,6 +3,7 @@
 mod beside;
 mod builder;
 mod insert;
+mod line;
 mod merge;
 mod parts;
 mod view;
