@@ -16,6 +16,9 @@ const SPACINGS: f64 = 5.0;
 const SIGMAS: f64 = 6.0;
 /// Places at which the scan is looked at.
 const SAMPLES: usize = 256;
+/// Points whose stated errors are looked at: these vary more from place to place than what neighbours show, and a look costs little. So the
+/// same place has cells of the same size, however densely it is scanned.
+const STATED: usize = 1 << 14;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
 const NEAR: usize = 8;
 const PATCH: usize = 30;
@@ -144,7 +147,7 @@ fn stated_sigma(scan: &Scan, pose: Option<&PoseNoise>) -> f64 {
         let shared = pose.and_then(|pose| pose.at(scan.sensor_position()?, position));
         shared.map_or([0.0; 3], |covariance| covariance.deviations())
     };
-    let stride = scan.len().div_ceil(SAMPLES).max(1);
+    let stride = scan.len().div_ceil(STATED).max(1);
     let mut sigmas: Vec<f64> = (0..scan.len())
         .step_by(stride)
         .filter_map(|i| {
