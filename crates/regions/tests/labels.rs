@@ -49,7 +49,7 @@ fn points_measure_what_they_do_one_by_one() {
         let found = found(&sorted);
         let (labels, measures) = label(&found, &sorted, 0..sorted.places.len());
         let labelled = labels.iter().filter(|label| label.is_some()).count();
-        assert!(found.regions.len() == 3 && labelled > 80_000, "{in_clean_cells}");
+        assert!(found.regions.len() == 3 && labelled > 80_000, "{labelled}");
         for (number, (region, measure)) in found.regions.iter().zip(&measures).enumerate() {
             let own = scene
                 .points
