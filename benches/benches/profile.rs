@@ -104,13 +104,12 @@ fn profile(points: usize) -> Outcome<()> {
         for (cells, places) in &kept {
             let (of_scan, others) = rest.split_at_mut(cells.len());
             rest = others;
-            black_box(found.labeller.label_all(
-                |at| number(&cells[at]),
-                places,
-                |at, label| {
-                    of_scan[at] = label.and_then(|label| NonZeroU32::new(label + 1));
-                },
-            ));
+            let points = cells.iter().zip(places).zip(of_scan);
+            let points = points.map(|((cell, place), to)| (number(cell), *place, to));
+            let set = |to: &mut Option<NonZeroU32>, label: Option<u32>| {
+                *to = label.and_then(|label| NonZeroU32::new(label + 1));
+            };
+            black_box(found.labeller.label_all(points, set));
         }
         black_box(&labels);
         done(&mut best)?;

@@ -266,7 +266,9 @@ fn labels() -> Outcome<usize> {
     let found = gridded.found(&gridded.fine(), &gridded.samples())?;
     let mut labels = vec![None; gridded.cells.len()];
     counted(|| {
-        found.labeller.label_all(|point| gridded.cell(point), &gridded.places, |at, label| labels[at] = label)
+        let points = (0..).zip(&gridded.places).zip(&mut labels);
+        let points = points.map(|((at, place), to)| (gridded.cell(at), *place, to));
+        found.labeller.label_all(points, |to, label| *to = label)
     });
     Ok(labels.len())
 }

@@ -28,10 +28,9 @@ impl Packed {
 }
 
 /// The places as they were.
-pub(crate) fn unpack(packed: &[[i16; 3]], unit: f64, places: &mut Vec<[f32; 3]>) {
+pub(crate) fn unpacked(packed: &[[i16; 3]], unit: f64) -> impl Iterator<Item = [f32; 3]> {
     let unit = single(unit);
-    places.clear();
-    places.extend(packed.iter().map(|place| place.map(|x| f32::from(x) * unit)));
+    packed.iter().map(move |place| place.map(|x| f32::from(x) * unit))
 }
 
 /// Powers of two are the same in single precision, for cells of any size that is of use.
@@ -63,8 +62,7 @@ mod tests {
             grid.insert_all(&points, PointErrors::None, &mut cells, Some(&mut places)).unwrap();
             let mut packed = Packed::with_capacity(points.len());
             packed.extend(&places, grid.place_unit());
-            let mut again = vec![[1.0; 3]];
-            unpack(packed.of(), grid.place_unit(), &mut again);
+            let again: Vec<[f32; 3]> = unpacked(packed.of(), grid.place_unit()).collect();
             prop_assert_eq!(&again, &places);
             // And are those of the points.
             for ((point, place), cell) in points.iter().zip(&places).zip(&cells) {

@@ -32,7 +32,7 @@ enum By {
         planes: Vec<Option<PlaneId>>,
         seen: Vec<Vec<u64>>,
     },
-    Regions(RegionLabels),
+    Regions(Box<RegionLabels>),
 }
 
 impl Mapper {
@@ -83,7 +83,7 @@ impl Mapper {
             }
             Some(regions) => {
                 let (map, labels) = self.regions_streamed(&regions, begins)?;
-                (map, By::Regions(labels))
+                (map, By::Regions(Box::new(labels)))
             }
             None => {
                 let (map, planes) = self.clusters(begins)?;
@@ -142,11 +142,12 @@ impl PointLabels<'_> {
     /// Turns the planes to the sensors by what each view saw of their cells, where points are not given again. Of regions these are the
     /// cells that nine in ten points of one plane make up.
     pub(crate) fn face_by_cells(&self, map: &mut PlaneMap) {
-        let (Some(seen), By::Cells { planes, .. } | By::Regions(RegionLabels { of_cells: planes, .. })) =
-            (self.mapper.seen(), &self.by)
-        else {
-            return;
+        let planes = match &self.by {
+            By::Kept { .. } => return,
+            By::Cells { planes, .. } => planes,
+            By::Regions(regions) => &regions.of_cells,
         };
+        let Some(seen) = self.mapper.seen() else { return };
         let coarse = self.mapper.params().grows().and_then(|_| self.mapper.coarse());
         let of_grid = |cell: CellId| coarse.map_or(Some(cell), |coarse| coarse.of.get(cell.index()).copied());
         let views = self.mapper.views();

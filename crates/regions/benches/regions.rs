@@ -96,7 +96,9 @@ fn regions(c: &mut Criterion) {
     group.bench_function("samples", |b| b.iter(sampled));
     group.bench_function("labels", |b| {
         b.iter(|| {
-            labeller.label_all(|point| cell_of[point], black_box(&places), |at, label| labels[at] = label)
+            let points = cell_of.iter().zip(black_box(&places)).zip(&mut labels);
+            let points = points.map(|((cell, place), to)| (*cell, *place, to));
+            labeller.label_all(points, |to, label| *to = label)
         });
     });
     group.finish();

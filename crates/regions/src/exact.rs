@@ -22,7 +22,9 @@ pub(crate) fn by_points(mut found: Found, points: Points) -> Segmentation {
     let labelled =
         points.cells.par_chunks(AT_ONCE).zip(points.places.par_chunks(AT_ONCE)).map(|(cells, places)| {
             let mut labels = vec![None; cells.len()];
-            let measures = found.labeller.label_all(|at| cells[at], places, |at, label| labels[at] = label);
+            let points = cells.iter().zip(places).zip(&mut labels);
+            let points = points.map(|((cell, place), to)| (*cell, *place, to));
+            let measures = found.labeller.label_all(points, |to, label| *to = label);
             (labels, measures)
         });
     let labelled: Vec<(Vec<Option<u32>>, Vec<Measure>)> = labelled.collect();

@@ -9,7 +9,7 @@ const MOST: usize = 16;
 /// After so many halvings the threshold is at its least.
 const MOST_HALVINGS: u8 = 31;
 const STRIPES: usize = 8;
-/// Cells of a stripe whose places are in a row.
+/// Cells of a stripe that are in a row.
 const PAGE: usize = 64;
 /// Points whose places are scrambled at once.
 const BATCH: usize = 128;
@@ -40,29 +40,19 @@ pub struct Samples {
 
 /// Page by page, so that none is moved when more cells come.
 #[derive(Debug, Clone, Default)]
-struct Stripe(Vec<Box<Page>>);
+struct Stripe(Vec<Box<[Kept; PAGE]>>);
 
-/// The samples of cells in a row.
-#[derive(Debug, Clone)]
-struct Page {
-    cells: [Kept; PAGE],
-    places: [Places; PAGE],
-}
-
-/// One more than are kept: a place is written first, and counted when it stays.
-type Places = [[f32; 3]; MOST + 1];
-
+/// The sample of a cell. What is looked at for each point comes first, beside the first places.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 struct Kept {
+    /// Scrambled places up to here are in the sample.
+    threshold: u32,
     count: u8,
     /// Halvings of the threshold.
     halvings: u8,
-    /// Scrambled places up to here are in the sample.
-    threshold: u32,
-}
-
-impl Kept {
-    const NONE: Self = Self { count: 0, halvings: 0, threshold: u32::MAX };
+    /// One more than are kept: a place is written first, and counted when it stays.
+    places: [[f32; 3]; MOST + 1],
 }
 
 impl Samples {
@@ -76,15 +66,26 @@ impl Samples {
     /// Adds many points on all threads of the rayon pool; `cells` tells the cell of the point at a place of the list, if it is of one.
     pub fn push_all(&mut self, cells: impl Fn(usize) -> Option<u32> + Sync, places: &[[f32; 3]]) {
         let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
-        self.stripes
-            .par_chunks_mut(share)
-            .enumerate()
-            .for_each(|(number, stripes)| push_to(stripes, number * share, &cells, places));
+        if share == STRIPES {
+            return self.push_alone(cells, places);
+        }
+        let push = |(number, stripes): (usize, &mut [Stripe])| {
+            for_each(&cells, places, |cell, place, scrambled| {
+                let (stripe, at) = home(cell);
+                if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(number * share)) {
+                    stripe.push(at, place, scrambled);
+                }
+            });
+        };
+        self.stripes.par_chunks_mut(share).enumerate().for_each(push);
     }
 
     /// As [`push_all`](Self::push_all), on the calling thread.
     pub fn push_alone(&mut self, cells: impl Fn(usize) -> Option<u32>, places: &[[f32; 3]]) {
-        push_to(&mut self.stripes, 0, &cells, places);
+        for_each(cells, places, |cell, place, scrambled| {
+            let (stripe, at) = home(cell);
+            self.stripes[stripe].push(at, place, scrambled);
+        });
     }
 
     /// The sample of a cell; empty for a cell without points.
@@ -96,7 +97,7 @@ impl Samples {
     /// How often the sample of a cell was halved: it has those of its points whose scrambled places are below 2³²⁻ʰ.
     pub fn halvings(&self, cell: u32) -> u8 {
         let (stripe, at) = home(cell);
-        self.stripes[stripe].get(at).map_or(0, |(kept, _)| kept.halvings)
+        self.stripes[stripe].get(at).map_or(0, |kept| kept.halvings)
     }
 
     /// Puts a sample that was taken elsewhere in the place of that of a cell: what [`of`](Self::of) and
@@ -118,27 +119,27 @@ impl Samples {
             return Err(SampleError::Place { place: *place, halvings });
         }
         let (stripe, at) = home(cell);
-        let (kept, room) = self.stripes[stripe].get_or_new(at);
+        let kept = self.stripes[stripe].get_or_new(at);
         // At most sixteen.
         #[allow(clippy::cast_possible_truncation)]
         let count = places.len() as u8;
-        *kept = Kept { count, halvings, threshold };
-        room[..places.len()].copy_from_slice(places);
+        *kept = Kept { threshold, count, halvings, ..Kept::NONE };
+        kept.places[..places.len()].copy_from_slice(places);
         Ok(())
     }
 
     /// Adds the sample of a cell of other points to that of a cell; places are from the same anchor.
     pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
         let (from, there) = home(of);
-        let Some((theirs, _)) = other.stripes[from].get(there) else { return };
+        let Some(theirs) = other.stripes[from].get(there) else { return };
         for place in other.of(of) {
             self.push(cell, *place);
         }
         // What the others left out is left out of the whole.
         let (stripe, at) = home(cell);
-        let (kept, places) = self.stripes[stripe].get_or_new(at);
+        let kept = self.stripes[stripe].get_or_new(at);
         while kept.halvings < theirs.halvings {
-            kept.halve(places);
+            kept.halve();
         }
     }
 }
@@ -149,16 +150,19 @@ fn home(cell: u32) -> (usize, usize) {
     (cell as usize % STRIPES, cell as usize / STRIPES)
 }
 
-/// Adds those of many points that are of some stripes, of which this is the number of the first.
+/// Hands out the cell, the place and the scrambled place of each point that is of a cell.
 #[inline]
-fn push_to(stripes: &mut [Stripe], first: usize, cells: &impl Fn(usize) -> Option<u32>, places: &[[f32; 3]]) {
+fn for_each(
+    cells: impl Fn(usize) -> Option<u32>,
+    places: &[[f32; 3]],
+    mut take: impl FnMut(u32, [f32; 3], u32),
+) {
     let mut all = [0; BATCH];
     for (batch, places) in places.chunks(BATCH).enumerate() {
         scramble(places, &mut all);
         for (at, (place, scrambled)) in (batch * BATCH..).zip(places.iter().zip(&all)) {
-            let Some((stripe, cell)) = cells(at).map(home) else { continue };
-            if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(first)) {
-                stripe.push(cell, *place, *scrambled);
+            if let Some(cell) = cells(at) {
+                take(cell, *place, *scrambled);
             }
         }
     }
@@ -166,66 +170,80 @@ fn push_to(stripes: &mut [Stripe], first: usize, cells: &impl Fn(usize) -> Optio
 
 impl Stripe {
     #[inline]
-    fn get(&self, at: usize) -> Option<(&Kept, &Places)> {
-        self.0.get(at / PAGE).map(|page| (&page.cells[at % PAGE], &page.places[at % PAGE]))
+    fn get(&self, at: usize) -> Option<&Kept> {
+        self.0.get(at / PAGE).map(|page| &page[at % PAGE])
     }
 
     #[inline]
-    fn get_or_new(&mut self, at: usize) -> (&mut Kept, &mut Places) {
+    fn get_or_new(&mut self, at: usize) -> &mut Kept {
         if at / PAGE >= self.0.len() {
             self.reach(at / PAGE);
         }
-        let page = &mut *self.0[at / PAGE];
-        (&mut page.cells[at % PAGE], &mut page.places[at % PAGE])
+        &mut self.0[at / PAGE][at % PAGE]
     }
 
     #[cold]
     fn reach(&mut self, page: usize) {
-        self.0.resize_with(page + 1, || Box::new(Page::EMPTY));
+        self.0.resize_with(page + 1, || Box::new([Kept::NONE; PAGE]));
     }
 
     #[inline]
     fn push(&mut self, at: usize, place: [f32; 3], scrambled: u32) {
-        let (kept, places) = self.get_or_new(at);
-        // Whether a place stays cannot be predicted while a cell fills: there is no branch.
-        if let Some(free) = places.get_mut(usize::from(kept.count)) {
-            *free = place;
+        if let Some(page) = self.0.get_mut(at / PAGE) {
+            page[at % PAGE].push(place, scrambled);
+        } else {
+            let [x, y, z] = place;
+            self.push_beyond(at, x, y, z, scrambled);
         }
-        kept.count += u8::from(scrambled <= kept.threshold);
-        if usize::from(kept.count) > MOST {
-            kept.make_room(places);
-        }
+    }
+
+    /// Apart, and coordinates in registers, so that nothing is written for it where pages are there.
+    #[cold]
+    #[inline(never)]
+    fn push_beyond(&mut self, at: usize, x: f32, y: f32, z: f32, scrambled: u32) {
+        self.get_or_new(at).push([x, y, z], scrambled);
     }
 
     fn of(&self, at: usize) -> &[[f32; 3]] {
-        self.get(at).and_then(|(kept, places)| places.get(..usize::from(kept.count))).unwrap_or(&[])
+        self.get(at).and_then(|kept| kept.places.get(..usize::from(kept.count))).unwrap_or(&[])
     }
 }
 
-impl Page {
-    const EMPTY: Self = Self { cells: [Kept::NONE; PAGE], places: [[[0.0; 3]; MOST + 1]; PAGE] };
-}
-
 impl Kept {
+    const NONE: Self = Self { threshold: u32::MAX, count: 0, halvings: 0, places: [[0.0; 3]; MOST + 1] };
+
+    #[inline]
+    fn push(&mut self, place: [f32; 3], scrambled: u32) {
+        // Whether a place stays cannot be predicted while a cell fills: there is no branch.
+        let count = self.count;
+        if let Some(free) = self.places.get_mut(usize::from(count)) {
+            *free = place;
+        }
+        self.count = count + u8::from(scrambled <= self.threshold);
+        if usize::from(self.count) > MOST {
+            self.make_room();
+        }
+    }
+
     /// Halves the threshold until there is room for what was just counted; one place again and again is not kept without end.
     #[inline(never)]
-    fn make_room(&mut self, places: &mut Places) {
+    fn make_room(&mut self) {
         while usize::from(self.count) > MOST && self.halvings < MOST_HALVINGS {
-            self.halve(places);
+            self.halve();
         }
         if usize::from(self.count) > MOST {
             self.count -= 1;
         }
     }
 
-    fn halve(&mut self, places: &mut Places) {
+    fn halve(&mut self) {
         self.halvings += 1;
         self.threshold = u32::MAX >> self.halvings;
         let mut all = [0; MOST + 1];
-        scramble(places, &mut all);
+        scramble(&self.places, &mut all);
         let mut count = 0;
         for (at, scrambled) in all.into_iter().enumerate().take(self.count.into()) {
-            places[usize::from(count)] = places[at];
+            self.places[usize::from(count)] = self.places[at];
             count += u8::from(scrambled <= self.threshold);
         }
         self.count = count;

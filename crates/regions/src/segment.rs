@@ -10,7 +10,8 @@ use crate::exact::{by_points, samples_of};
 use crate::field::Field;
 use crate::flat::{Fitted, Flat};
 use crate::grow::{Growth, Region as Surface, grow};
-use crate::labels::{Labeller, Measure, Piece, Points, pieces};
+use crate::labeller::{Labeller, Measure};
+use crate::labels::{Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Looks;
@@ -176,7 +177,7 @@ impl Grown {
 
     /// Finds the planes by samples of points, as [`find`] does.
     pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync) -> Found {
-        let Self { field, regions: mut grown, noise, settings } = self;
+        let Self { mut field, regions: mut grown, noise, settings } = self;
         let narrowest = NARROWEST * field.coarse_edge();
         grown.retain(|region| {
             let [_, across, _] = region.fitted.fit.variances;
@@ -233,6 +234,7 @@ impl Grown {
         for (new, (old, _)) in (0..).zip(&found) {
             rank[*old as usize] = Some(new);
         }
+        let anchors = std::mem::take(&mut field.anchors);
         let share = |piece: &Piece| {
             let region = rank[piece.region as usize]?;
             Some(Share { cell: field.order[piece.cell as usize], region, points: piece.points })
@@ -258,7 +260,7 @@ impl Grown {
                 .map_or(region, |piece| piece.region) as usize]
         };
         let (labeller, shares) =
-            rayon::join(|| Labeller::of(&field, of_cells, settings.reach, number, planes), shares);
+            rayon::join(|| Labeller::of(&field, anchors, of_cells, settings.reach, number, planes), shares);
         Found {
             shares,
             regions: found.into_iter().map(|(_, region)| region).collect(),
@@ -284,11 +286,13 @@ impl Found {
             numbers[*old] = Some(new);
         }
         let measured = |at: &usize| {
-            let measure = measures.get(*at)?;
-            let (centroid, rms) = self.labeller.mean_and_rms(measure)?;
-            Some(Region { points: measure.points, centroid, rms, ..self.regions[*at] })
+            let region = self.regions[*at];
+            let measured = measures.get(*at).and_then(|measure| self.labeller.mean_and_rms(*at, measure));
+            // Points that are not those of the cells leave it as it was.
+            let (centroid, rms) = measured.unwrap_or((region.centroid, region.rms));
+            Region { points: points(*at), centroid, rms, ..region }
         };
-        self.regions = order.iter().filter_map(measured).collect();
+        self.regions = order.iter().map(measured).collect();
         let share = |share: &Share| Some(Share { region: numbers[share.region as usize]?, ..*share });
         self.shares = self.shares.iter().filter_map(share).collect();
         numbers

@@ -16,7 +16,7 @@ use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::face_sensors;
 use crate::first::used_of;
 use crate::nodes::Nodes;
-use crate::packed::{Packed, unpack};
+use crate::packed::{Packed, unpacked};
 use crate::{
     CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
 };
@@ -131,14 +131,12 @@ impl<'m> Grown<'m> {
     fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Vec<Measure>>) {
         let regions = self.found.regions.len();
         let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
-        // On all threads: memory that is used for the first time is handed out by the system page by page.
-        labels.par_extend(rayon::iter::repeat_n(None, self.mapper.len()));
-        let mut rest = &mut labels[..];
         let mut by_view = vec![vec![Measure::default(); regions]; self.mapper.views().len()];
         for kept in self.mapper.kept() {
-            let (labels, more_labels) = rest.split_at_mut(kept.cells.len());
-            rest = more_labels;
-            let measures = self.label(&kept.cells, &kept.places, labels);
+            let first = labels.len();
+            // On all threads: memory that is used for the first time is handed out by the system page by page.
+            labels.par_extend(rayon::iter::repeat_n(None, kept.cells.len()));
+            let measures = self.label(&kept.cells, &kept.places, &mut labels[first..]);
             if let Some(of_view) = by_view.get_mut(kept.view) {
                 of_view.iter_mut().zip(&measures).for_each(|(sum, more)| sum.add(more));
             }
@@ -159,9 +157,9 @@ impl<'m> Grown<'m> {
             .zip(labels.par_chunks_mut(AT_ONCE));
         let unit = self.mapper.fine().map_or(1.0, VoxelGrid::place_unit);
         let of_parts: Vec<Vec<Measure>> = parts
-            .map_init(Vec::new, |unpacked, ((cells, packed), labels)| {
-                unpack(packed, unit, unpacked);
-                label_each(&self.found.labeller, &self.fine.places, (cells, unpacked), labels, |region| {
+            .map(|((cells, packed), labels)| {
+                let points = cells.iter().zip(unpacked(packed, unit)).zip(labels);
+                label_each(&self.found.labeller, &self.fine.places, points, |region| {
                     PlaneId::from_index(region as usize)
                 })
             })
@@ -223,16 +221,14 @@ struct Planes {
 }
 
 /// Labels points by their cells and places, and measures them by their regions. `number` is the plane of a region.
-fn label_each(
+fn label_each<'p>(
     labeller: &Labeller,
     places: &Places,
-    points: (&[Option<CellId>], &[[f32; 3]]),
-    labels: &mut [Option<PlaneId>],
+    points: impl Iterator<Item = ((&'p Option<CellId>, [f32; 3]), &'p mut Option<PlaneId>)>,
     number: impl Fn(u32) -> Option<PlaneId>,
 ) -> Vec<Measure> {
-    let (cells, of_points) = points;
-    let cell = |at: usize| cells[at].and_then(|cell| places.of(cell));
-    labeller.label_all(cell, of_points, |at, found| labels[at] = found.and_then(&number))
+    let points = points.map(|((cell, place), label)| (cell.and_then(|cell| places.of(cell)), place, label));
+    labeller.label_all(points, |label, found| *label = found.and_then(&number))
 }
 
 /// What parts of the points measure together, by region.

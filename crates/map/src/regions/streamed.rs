@@ -48,7 +48,8 @@ impl RegionLabels {
         labels: &mut [Option<PlaneId>],
     ) -> Vec<Measure> {
         let number = |region: u32| self.numbers.get(region as usize).copied().flatten();
-        label_each(&self.labeller, &self.places, (cells, places), labels, number)
+        let points = cells.iter().zip(places.iter().copied()).zip(labels);
+        label_each(&self.labeller, &self.places, points, number)
     }
 
     /// Adds what points of a view measure.
@@ -64,9 +65,10 @@ impl RegionLabels {
         for plane in &mut *planes {
             plane.points = 0;
         }
-        for (measure, number) in measures.iter().zip(&self.numbers) {
+        for (region, (measure, number)) in measures.iter().zip(&self.numbers).enumerate() {
             let plane = number.and_then(|number| planes.get_mut(number.index()));
-            let (Some(plane), Some((mean, rms))) = (plane, self.labeller.mean_and_rms(measure)) else {
+            let (Some(plane), Some((mean, rms))) = (plane, self.labeller.mean_and_rms(region, measure))
+            else {
                 continue;
             };
             if plane.points == 0 {

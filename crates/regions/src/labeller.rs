@@ -1,0 +1,284 @@
+//! Which plane each point is of, and what the points of each plane measure.
+
+use glam::DVec3;
+
+use crate::cell::Sums;
+use crate::field::Field;
+use crate::flat::Flat;
+use crate::mixture::OfCell;
+use crate::near::{Near, Nearby, Several, Within};
+
+/// Tells of which plane points are, one by one, by the cell and the place of each. Nothing is kept of the points themselves, so that
+/// they can be read again and labelled as they come.
+///
+/// Most cells hold points of one plane, and few others or none. What all points of such a cell measure is known from its sums, so that
+/// only the others are measured one by one.
+#[derive(Debug, Clone)]
+pub struct Labeller {
+    reach: f32,
+    /// As they were given.
+    cells: Vec<Place>,
+    /// What places of their points are from, along the curve.
+    anchors: Vec<DVec3>,
+    /// What is near the cells with several regions, or with one that not all points are of. Regions are numbered as planes.
+    mixed: Vec<Several>,
+    /// What lengths are counted from.
+    origin: DVec3,
+    planes: Vec<Flat>,
+    /// What all points of the cells measure whose samples are of one plane, by plane.
+    whole: Vec<Total>,
+    units: Units,
+}
+
+/// A cell, as its points are labelled.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// The distance from the only plane near it: see [`Near`]. Where there is none, or several, it is not a number, and in no reach.
+    normal: [f32; 3],
+    offset: f32,
+    /// The plane that all its sampled points are of.
+    plane: u32,
+    /// Its place along the curve.
+    rank: u32,
+    /// Its place among those that are mixed.
+    mixed: u32,
+}
+
+/// The number of regions that are no plane, and the place of cells that are not mixed.
+const NONE: u32 = u32::MAX;
+
+/// Labelled points of a plane, counted and measured. Sums are of whole numbers, so that it does not matter in which order points come,
+/// and in which parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Measure {
+    /// How many there are.
+    pub points: u64,
+    /// What they measure beyond all points of the cells that are of the plane alone.
+    beyond: Total,
+}
+
+impl Measure {
+    /// Adds those of other points of the plane.
+    pub fn add(&mut self, other: &Self) {
+        self.points = self.points.wrapping_add(other.points);
+        self.beyond.add(&other.beyond);
+    }
+}
+
+/// Sums over points, in whole units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Total {
+    /// How many there are, less those that were taken away.
+    points: i64,
+    /// Sum of where they are from the origin of the labeller.
+    places: [i128; 3],
+    /// Sum of their squared distances from the plane.
+    squares: i128,
+}
+
+impl Total {
+    /// Of all points of a cell.
+    fn of(sums: &Sums, origin: DVec3, plane: &Flat, units: Units) -> Self {
+        // Numbers of points are whole.
+        #[allow(clippy::cast_possible_truncation)]
+        let (points, whole) = (sums.points as i64, |x: f64| x.round() as i128);
+        let places = ((sums.mean - origin) * (sums.points * units.per_length)).to_array().map(whole);
+        let squares = whole(sums.mean_square(plane) * sums.points * units.per_square);
+        Self { points, places, squares }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.points = self.points.wrapping_add(other.points);
+        self.squares = self.squares.wrapping_add(other.squares);
+        for (sum, more) in self.places.iter_mut().zip(other.places) {
+            *sum = sum.wrapping_add(more);
+        }
+    }
+
+    /// Adds a point by where it is from the origin and how far from the plane: once, or −1 times to take it away.
+    #[inline]
+    fn push(&mut self, place: DVec3, distance: f64, units: Units, times: f64) {
+        // To the nearest, without a call.
+        #[allow(clippy::cast_possible_truncation)]
+        let whole = |x: f64| (x + 0.5_f64.copysign(x)) as i64;
+        self.points = self.points.wrapping_add(whole(times));
+        for (sum, x) in self.places.iter_mut().zip(place.to_array()) {
+            *sum = sum.wrapping_add(whole(x * (times * units.per_length)).into());
+        }
+        self.squares =
+            self.squares.wrapping_add(whole(distance * distance * (times * units.per_square)).into());
+    }
+}
+
+/// What lengths and squares of them are counted in: powers of two, a small share of a cell.
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    per_length: f64,
+    per_square: f64,
+}
+
+impl Units {
+    fn of(edge: f64) -> Self {
+        // The exponent bits alone are the power of two below.
+        let below = f64::from_bits(edge.to_bits() & (0x7ff << 52));
+        let length = below * (-24_f64).exp2();
+        Self { per_length: 1.0 / length, per_square: 1.0 / (length * length * 16.0) }
+    }
+}
+
+/// Labels of so many points on end are counted apart: to count one takes as long as several, if it has to wait for the one before.
+const LANES: usize = 4;
+
+impl Labeller {
+    /// `number` is that of the plane which points of a region are of in a cell, if it is one; `anchors` are those of the field.
+    pub(crate) fn of(
+        field: &Field,
+        anchors: Vec<DVec3>,
+        of_cells: Vec<OfCell>,
+        reach: f64,
+        mut number: impl FnMut(u32, u32) -> Option<u32>,
+        planes: Vec<Flat>,
+    ) -> Self {
+        let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or(DVec3::ZERO));
+        let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: NONE };
+        let mut cells: Vec<Place> = vec![unknown; of_cells.len()];
+        let mut whole = vec![Total::default(); planes.len()];
+        let mut mixed = Vec::new();
+        for (((rank, given), of), sums) in (0..).zip(&field.order).zip(of_cells).zip(&field.cells) {
+            let mut number = |region: u32| number(rank, region).unwrap_or(NONE);
+            let to = &mut cells[*given as usize];
+            to.rank = rank;
+            // By the whole sample: shares of the points are rounded.
+            let all = of.parts.as_slice().iter().find(|part| part.labelled + 0.5 >= sums.points);
+            let plane = all.map_or(NONE, |part| number(part.region));
+            if let (Some(flat), Some(whole)) = (planes.get(plane as usize), whole.get_mut(plane as usize)) {
+                to.plane = plane;
+                whole.add(&Total::of(sums, origin, flat, units));
+            }
+            let several = match of.nearby {
+                Nearby::None => continue,
+                Nearby::One(near) if to.plane != NONE => {
+                    (to.normal, to.offset) = (near.normal, near.offset);
+                    continue;
+                }
+                Nearby::One(near) => {
+                    let region = number(near.region);
+                    Several { near: vec![Near { region, ..near }], ends: Vec::new() }
+                }
+                Nearby::Several(mut several) => {
+                    several.near.iter_mut().for_each(|near| near.region = number(near.region));
+                    *several
+                }
+            };
+            if several.near.iter().any(|near| near.region != NONE) {
+                // There are no more than cells, which are numbered with 32 bits.
+                to.mixed = u32::try_from(mixed.len()).unwrap_or(NONE);
+                mixed.push(several);
+            }
+        }
+        // As places are.
+        #[allow(clippy::cast_possible_truncation)]
+        Self { reach: reach as f32, cells, anchors, mixed, origin, planes, whole, units }
+    }
+
+    /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its
+    /// place among the cells, and `place` where the point is from the anchor of the cell's sums, in metres.
+    #[inline]
+    pub fn label(&self, cell: u32, place: [f32; 3]) -> Option<u32> {
+        let cell = self.cells.get(cell as usize)?;
+        if cell.is_near(place, self.reach) { Some(cell.plane) } else { self.of_mixed(cell, place) }
+    }
+
+    /// Labels points one after the other, as [`label`](Self::label) does, and measures them: what is given back has a place for each
+    /// plane. A point is its cell, its place there, and what `label` is to know of it.
+    pub fn label_all<P>(
+        &self,
+        points: impl Iterator<Item = (Option<u32>, [f32; 3], P)>,
+        mut label: impl FnMut(P, Option<u32>),
+    ) -> Vec<Measure> {
+        let mut counts = vec![[0_u64; LANES]; self.planes.len()];
+        let mut beyond = vec![Total::default(); self.planes.len()];
+        for (at, (cell, [x, y, z], point)) in points.enumerate() {
+            let Some(cell) = cell.and_then(|cell| self.cells.get(cell as usize)) else {
+                label(point, None);
+                continue;
+            };
+            let plane = if cell.is_near([x, y, z], self.reach) {
+                Some(cell.plane)
+            } else if cell.is_unknown() {
+                None
+            } else {
+                self.label_other(cell, x, y, z, &mut beyond)
+            };
+            if let Some(count) = plane.and_then(|plane| counts.get_mut(plane as usize)) {
+                count[at % LANES] += 1;
+            }
+            label(point, plane);
+        }
+        let sums = counts.iter().zip(beyond);
+        sums.map(|(counts, beyond)| Measure { points: counts.iter().sum(), beyond }).collect()
+    }
+
+    /// The number of the plane that a point is of, if it is not of the only plane near its cell; measures what the sums of the cell do
+    /// not tell. Few points need it. Coordinates are handed over in registers: what waits for them to be written waits long.
+    #[inline(never)]
+    fn label_other(&self, cell: &Place, x: f32, y: f32, z: f32, beyond: &mut [Total]) -> Option<u32> {
+        let found = self.of_mixed(cell, [x, y, z]);
+        let plane = found.unwrap_or(NONE);
+        if plane != cell.plane {
+            // Its cell knows of no place that is not finite.
+            let finite = |x: f32| if x.is_finite() { f64::from(x) } else { 0.0 };
+            let from = DVec3::new(finite(x), finite(y), finite(z));
+            for (plane, times) in [(cell.plane, -1.0), (plane, 1.0)] {
+                let at = plane as usize;
+                if let (Some(sums), Some(flat), Some(anchor)) =
+                    (beyond.get_mut(at), self.planes.get(at), self.anchors.get(cell.rank as usize))
+                {
+                    let place = *anchor + from;
+                    sums.push(place - self.origin, flat.distance(place), self.units, times);
+                }
+            }
+        }
+        found
+    }
+
+    /// The number of the plane that a point of a mixed cell is of.
+    #[inline]
+    fn of_mixed(&self, cell: &Place, place: [f32; 3]) -> Option<u32> {
+        let several = self.mixed.get(cell.mixed as usize)?;
+        let at = match several.within(place, self.reach) {
+            Within::None => return None,
+            Within::One(at) => at,
+            Within::Several => several.best(place, self.reach)?,
+        };
+        let plane = several.near.get(at)?.region;
+        (plane != NONE).then_some(plane)
+    }
+
+    /// Where the labelled points of a plane are in the mean, and their root mean square distance from it, in metres; `None` without
+    /// points. `measure` is that of all points of the cells, each of them labelled once.
+    pub fn mean_and_rms(&self, plane: usize, measure: &Measure) -> Option<([f64; 3], f64)> {
+        let mut sums = *self.whole.get(plane)?;
+        sums.add(&measure.beyond);
+        let (points, Units { per_length, per_square }) = (sums.points as f64, self.units);
+        let mean = self.origin + DVec3::from(sums.places.map(|sum| sum as f64)) / (points * per_length);
+        // Roundings of the sums of cells may leave a little less than nothing.
+        let square = (sums.squares as f64 / (points * per_square)).max(0.0);
+        (sums.points > 0).then(|| (mean.to_array(), square.sqrt()))
+    }
+}
+
+impl Place {
+    /// Whether its points are of no plane, and it of none.
+    #[inline]
+    fn is_unknown(&self) -> bool {
+        self.plane == NONE && self.mixed == NONE
+    }
+
+    #[inline]
+    fn is_near(&self, [x, y, z]: [f32; 3], reach: f32) -> bool {
+        let [a, b, c] = self.normal;
+        // As `Near::errors` has it.
+        (a * x + b * y + c * z + self.offset).abs() <= reach
+    }
+}
