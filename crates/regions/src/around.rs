@@ -8,14 +8,14 @@ use crate::cell::Noise;
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::sum::Sum;
-use crate::turned::Limited;
+use crate::turned::{Limit, Turned};
 
 /// A neighbourhood with fewer points says too little.
 pub(crate) const FEWEST: f64 = 8.0;
 /// Points that scatter by less than this across their longer direction, in units of the variance of their errors, are a row.
 pub(crate) const ROW: f64 = 2.0;
-/// Rounding of a bound, as a share of it.
-pub(crate) const ROUNDING: f64 = 1e-9;
+/// Rounding of a bound, as a share of it: bounds are kept in single precision.
+pub(crate) const ROUNDING: f64 = 1e-6;
 
 /// Cells that are handed to a thread at once.
 const AT_ONCE: usize = 1024;
@@ -39,13 +39,13 @@ pub(crate) struct Arounds<'f> {
     known: Vec<Vec<u32>>,
     found: Vec<Option<Around>>,
     /// How far the surface around each cell may be turned, where points have these errors.
-    limited: (Option<Noise>, Vec<Limited>),
+    limits: (Option<Noise>, Vec<Limit>),
 }
 
 impl<'f> Arounds<'f> {
     pub(crate) fn of(field: &'f Field) -> Self {
         let known = field.levels.iter().map(|level| vec![0; level.len()]).collect();
-        Self { field, known, found: Vec::new(), limited: (None, Vec::new()) }
+        Self { field, known, found: Vec::new(), limits: (None, Vec::new()) }
     }
 
     pub(crate) fn field(&self) -> &'f Field {
@@ -55,18 +55,19 @@ impl<'f> Arounds<'f> {
     /// Takes the errors of points to be so, and surfaces to be along a plane that are turned by no more than an angle in radians and so many
     /// standard errors.
     pub(crate) fn limit(&mut self, noise: Noise, turned: f64, errors: f64) {
-        if self.limited.0 != Some(noise) {
-            let (Some(bounded), edge) = (self.field.bounded.first(), self.field.edge) else { return };
+        if self.limits.0 != Some(noise) {
+            let Some(bounded) = self.field.bounded.first() else { return };
+            let in_units = self.field.in_units(noise);
             let cells = bounded.par_iter().zip(&self.field.turned).with_min_len(AT_ONCE);
-            let limited = cells.map(|(bounded, around)| around.limited(bounded, noise, edge, turned, errors));
-            self.limited = (Some(noise), limited.collect());
+            let limits = cells.map(|(bounded, around)| around.limit(bounded, in_units, turned, errors));
+            self.limits = (Some(noise), limits.collect());
         }
     }
 
-    /// How far the surface around a cell may be turned.
+    /// Whether the surface around a cell is along a plane; `None` where only a fit tells.
     #[inline]
-    pub(crate) fn limited(&self, cell: usize) -> &Limited {
-        &self.limited.1[cell]
+    pub(crate) fn is_along(&self, cell: usize, plane: &Flat) -> Option<bool> {
+        self.limits.1[cell].is_along(&self.field.turned[cell], plane)
     }
 
     /// The plane of the points of a group and of those it touches; `None` when they determine none.
@@ -128,40 +129,65 @@ fn allowed(chi_squared: f64, points: f64) -> f64 {
     chi_squared * (1.0 + 3.0 * (2.0 / points).sqrt())
 }
 
-/// What the sums of a neighbourhood tell of the plane through its points without a fit: nearly all are told by it.
+/// What the sums of a neighbourhood tell of the plane through its points without a fit: nearly all are told by it. Variances are in units of
+/// a squared edge of a cell, and all is in single precision, for it is kept of every neighbourhood.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounded {
+    points: f32,
+    /// Bounds of the eigenvalues of the scatter, the two smaller ones from below and above, the largest from below.
+    least: [f32; 2],
+    middle: [f32; 2],
+    most: f32,
+    /// Bounds of the variance of errors along any direction, as stated.
+    errors: [f32; 2],
+}
+
+/// What is in a [`Bounded`], to reckon with.
+pub(crate) struct Bounds {
     pub(crate) points: f64,
-    /// Bounds of the eigenvalues of the scatter: of the least from below, of the middle from above, of the largest from below, in m².
-    pub(crate) least: f64,
-    pub(crate) middle: f64,
-    most: f64,
-    /// Bounds of the variance of errors along any direction, as stated, in m².
-    lowest: f64,
-    highest: f64,
+    pub(crate) least: [f64; 2],
+    pub(crate) middle: [f64; 2],
+    pub(crate) most: f64,
+    /// Of the variance of errors along any direction, at least the floor.
+    pub(crate) errors: [f64; 2],
 }
 
 impl Bounded {
-    pub(crate) fn of(sum: &Sum) -> Self {
-        let EigenvalueBounds { least, middle, most } = EigenvalueBounds::of(&sum.covariance());
-        let [lowest, highest] = sum.noise().range();
-        Self { points: sum.points(), least: least[0], middle: middle[1], most, lowest, highest }
+    /// Of points with these sums, this scatter and these bounds of its eigenvalues, for cells with an edge in metres.
+    // Rounding is allowed for where numbers are made use of.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn of(sum: &Sum, bounds: &EigenvalueBounds, edge: f64) -> Self {
+        let share = 1.0 / (edge * edge);
+        let single = |x: f64| (x * share) as f32;
+        Self {
+            points: sum.points() as f32,
+            least: bounds.least.map(single),
+            middle: bounds.middle.map(single),
+            most: single(bounds.most),
+            errors: sum.noise().range().map(single),
+        }
     }
 
-    /// Bounds of the variance of errors along any direction, in m².
-    pub(crate) fn variances(&self, noise: Noise) -> [f64; 2] {
-        [self.lowest, self.highest].map(|v| (noise.scale * v).max(noise.floor))
+    /// For errors of points in units of a squared edge.
+    pub(crate) fn bounds(&self, noise: Noise) -> Bounds {
+        Bounds {
+            points: f64::from(self.points),
+            least: self.least.map(f64::from),
+            middle: self.middle.map(f64::from),
+            most: f64::from(self.most),
+            errors: self.errors.map(|v| (noise.scale * f64::from(v)).max(noise.floor)),
+        }
     }
 
     /// A bound from below of the tilt of the plane through the points; `None` when it is no seed for sure, or they are too few: not
-    /// flat, narrower than a share of their length, or a row.
+    /// flat, narrower than a share of their length, or a row. Errors are in units of a squared edge.
     pub(crate) fn least_tilt(&self, noise: Noise, chi_squared: f64, narrowest: f64) -> Option<f64> {
-        let Self { points, least, middle, most, .. } = *self;
+        let Bounds { points, least: [least, _], middle: [_, middle], most, errors } = self.bounds(noise);
         if points < FEWEST {
             return None;
         }
         let thickness = least * points / (points - 3.0);
-        let [lowest, highest] = self.variances(noise);
+        let [lowest, highest] = errors;
         let across = middle * (1.0 + ROUNDING);
         if thickness * (1.0 - ROUNDING) > allowed(chi_squared, points) * highest
             || across < narrowest * most * (1.0 - ROUNDING)
@@ -175,15 +201,22 @@ impl Bounded {
     }
 }
 
+/// Both that are told of the neighbourhood of a cell: its bounds, and how its surface may be turned.
+pub(crate) fn told(sum: &Sum, edge: f64) -> (Bounded, Turned) {
+    let scatter = sum.covariance();
+    let bounds = EigenvalueBounds::of(&scatter);
+    (Bounded::of(sum, &bounds, edge), Turned::of(&scatter, &bounds))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::turned::Turned;
     use glam::DVec3;
     use proptest::prelude::*;
     use terrace_stats::UncertainVector;
 
     const NOISE: Noise = Noise { scale: 1.0, floor: 1e-6 };
+    const EDGE: f64 = 0.5;
 
     proptest! {
         /// From a line to a ball, of any thickness, turned in any way.
@@ -208,10 +241,12 @@ mod tests {
             let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
             let plane = Flat { normal, point: DVec3::ZERO };
             if let Some(around) = &around {
-                let limited = Turned::of(&sum, 0.5).limited(&Bounded::of(&sum), NOISE, 0.5, 0.3, 3.0);
+                let (bounded, turned) = told(&sum, EDGE);
+                let in_units = NOISE.in_units(EDGE);
+                let limit = turned.limit(&bounded, in_units, 0.3, 3.0);
                 let is_along = around.is_row(NOISE) || plane.angle(&around.plane) <= 0.3 + 3.0 * around.tilt(NOISE);
-                prop_assert!(limited.is_along(&plane).is_none_or(|told| told == is_along), "{limited:?}");
-                match Bounded::of(&sum).least_tilt(NOISE, 2.0, 0.1) {
+                prop_assert!(limit.is_along(&turned, &plane).is_none_or(|told| told == is_along), "{limit:?}");
+                match bounded.least_tilt(in_units, 2.0, 0.1) {
                     Some(tilt) => prop_assert!(tilt <= around.tilt(NOISE)),
                     None => prop_assert!(!around.is_flat(NOISE, 2.0, 0.1)),
                 }

@@ -69,6 +69,11 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
+    /// In units of a squared edge, which is in metres.
+    pub(crate) fn in_units(self, edge: f64) -> Self {
+        Self { floor: self.floor / (edge * edge), ..self }
+    }
+
     /// Variance of the error of a point of a cell along a direction, in m².
     pub(crate) fn variance(&self, cell: &Sums, direction: DVec3) -> f64 {
         (self.scale * cell.stated(direction)).max(self.floor)

@@ -4,13 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
+use terrace_normals::EigenvalueBounds;
 use terrace_stats::{Stats, SymmetricMatrix3};
 
 use crate::anchored::Anchored;
-use crate::around::Bounded;
+use crate::around::{Bounded, told};
 use crate::cell::{Noise, Sums};
 use crate::flat::Fitted;
-use crate::level::{Level, along_curve};
+use crate::level::{Level, along_curve, number};
 use crate::sum::Sum;
 use crate::turned::Turned;
 use crate::{Cell, RegionsError};
@@ -99,7 +100,7 @@ impl Field {
             // In single precision, as places of points are.
             #[allow(clippy::cast_possible_truncation)]
             let middle = (sums.mean - anchor).to_array().map(|x| x as f32);
-            ((sums, anchored.sum(rank, &stats)), (anchor, (middle, key)))
+            ((sums, Sum::of(&stats, anchored.anchor_of(number(rank)))), (anchor, (middle, key)))
         };
         let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
         let (levels, ((sums, about), (anchors, places))) =
@@ -123,9 +124,8 @@ impl Field {
     pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
         let Some(level) = self.levels.first() else { return Vec::new() };
         let of_cell = |cell: usize, sum: Sum| {
-            // Cells are numbered with 32 bits.
-            let rank = u32::try_from(cell).unwrap_or(u32::MAX);
-            let sums = sum.stats(self.anchored.anchor_of(rank)).with_anchor(self.anchors[cell].to_array());
+            let sums =
+                sum.stats(self.anchored.anchor_of(number(cell))).with_anchor(self.anchors[cell].to_array());
             ask(self.order[cell] as usize, &sums)
         };
         let found: Vec<T> = self.anchored.around_cells(level, of_cell).collect();
@@ -158,9 +158,10 @@ impl Field {
     /// Finds what only growth asks for.
     pub(crate) fn begin_growth(&mut self) {
         let Some((cells, coarser)) = self.levels.split_first() else { return };
-        let of_cell = |_: usize, sum: Sum| (Bounded::of(&sum), Turned::of(&sum, self.edge));
-        let (finest, turned) = self.anchored.around_cells(cells, of_cell).unzip();
-        let bounded = coarser.iter().map(|level| self.anchored.around(level, |sum| Bounded::of(&sum)));
+        let edge = self.edge;
+        let (finest, turned) = self.anchored.around_cells(cells, |_, sum| told(&sum, edge)).unzip();
+        let of_group = |sum: Sum| Bounded::of(&sum, &EigenvalueBounds::of(&sum.covariance()), edge);
+        let bounded = coarser.iter().map(|level| self.anchored.around(level, of_group));
         self.bounded = std::iter::once(finest).chain(bounded).collect();
         self.turned = turned;
     }
@@ -173,6 +174,11 @@ impl Field {
     /// The edge of a group of the level that suits noise and spacing, in metres.
     pub(crate) fn coarse_edge(&self) -> f64 {
         self.edge * f64::from(1_u32 << COARSE)
+    }
+
+    /// Errors of points in units of a squared edge.
+    pub(crate) fn in_units(&self, noise: Noise) -> Noise {
+        noise.in_units(self.edge)
     }
 
     /// The plane of some cells.

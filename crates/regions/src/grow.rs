@@ -214,7 +214,7 @@ impl Growth {
         }
         // Nearly all cells are told by their sums.
         self.without == Some(Step::Normals)
-            || arounds.limited(cell).is_along(plane).unwrap_or_else(|| {
+            || arounds.is_along(cell, plane).unwrap_or_else(|| {
                 arounds.get(0, cell).is_none_or(|around| {
                     around.is_row(self.noise)
                         || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt(self.noise)

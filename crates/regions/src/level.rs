@@ -210,7 +210,7 @@ fn interleaved([x, y, z]: [u32; 3]) -> u64 {
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "fewer cells than 2³²: `Field::of` sees to it")]
-fn number(place: usize) -> u32 {
+pub(crate) fn number(place: usize) -> u32 {
     place as u32
 }
 

@@ -37,11 +37,11 @@ impl Tilt {
 impl Seeds {
     pub(crate) fn of(field: &Field, growth: Growth) -> Self {
         let is_used = |level: &usize| growth.without != Some(Step::Resolutions) || *level == COARSE;
+        let noise = field.in_units(growth.noise);
         let mut bounds = Vec::new();
         for level in (0..field.levels.len()).filter(is_used) {
             let bound = |group: usize| {
-                let tilt =
-                    field.bounded[level][group].least_tilt(growth.noise, SEED_CHI_SQUARED, SEED_WIDTH)?;
+                let tilt = field.bounded[level][group].least_tilt(noise, SEED_CHI_SQUARED, SEED_WIDTH)?;
                 // Groups are no more than cells, which are numbered with 32 bits.
                 let group = u32::try_from(group).ok()?;
                 (tilt <= SEED_TILT).then_some((Reverse(Tilt::of(tilt)), Reverse(Seed { level, group })))
