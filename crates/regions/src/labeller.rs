@@ -5,8 +5,8 @@ use glam::DVec3;
 use crate::cell::Sums;
 use crate::field::Field;
 use crate::flat::Flat;
-use crate::mixture::OfCell;
 use crate::near::{Near, Nearby, Several, Within};
+use crate::of_cells::OfCells;
 
 /// Tells of which plane points are, one by one, by the cell and the place of each. Nothing is kept of the points themselves, so that
 /// they can be read again and labelled as they come.
@@ -134,28 +134,32 @@ impl Labeller {
     pub(crate) fn of(
         field: &Field,
         anchors: Vec<DVec3>,
-        of_cells: Vec<OfCell>,
+        of_cells: OfCells,
         reach: f64,
         mut number: impl FnMut(u32, u32) -> Option<u32>,
         planes: Vec<Flat>,
     ) -> Self {
         let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or(DVec3::ZERO));
         let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: NONE };
-        let mut cells: Vec<Place> = vec![unknown; of_cells.len()];
+        let mut cells: Vec<Place> = vec![unknown; of_cells.parts.len()];
         let mut whole = vec![Total::default(); planes.len()];
         let mut mixed = Vec::new();
-        for (((rank, given), of), sums) in (0..).zip(&field.order).zip(of_cells).zip(&field.cells) {
+        let OfCells { nearby, parts } = of_cells;
+        let of_cells = nearby.into_iter().zip(&parts);
+        for (((rank, given), (nearby, parts)), sums) in
+            (0..).zip(&field.order).zip(of_cells).zip(&field.cells)
+        {
             let mut number = |region: u32| number(rank, region).unwrap_or(NONE);
             let to = &mut cells[*given as usize];
             to.rank = rank;
             // By the whole sample: shares of the points are rounded.
-            let all = of.parts.as_slice().iter().find(|part| part.labelled + 0.5 >= sums.points);
+            let all = parts.as_slice().iter().find(|part| part.labelled + 0.5 >= sums.points);
             let plane = all.map_or(NONE, |part| number(part.region));
             if let (Some(flat), Some(whole)) = (planes.get(plane as usize), whole.get_mut(plane as usize)) {
                 to.plane = plane;
                 whole.add(&Total::of(sums, origin, flat, units));
             }
-            let several = match of.nearby {
+            let several = match nearby {
                 Nearby::None => continue,
                 Nearby::One(near) if to.plane != NONE => {
                     (to.normal, to.offset) = (near.normal, near.offset);

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use crate::RegionsError;
 use crate::field::Field;
-use crate::mixture::{Candidate, OfCell};
+use crate::mixture::Candidate;
 use crate::near::Nearby;
+use crate::of_cells::{OfCells, Parts};
 
 /// Points, each of a cell.
 #[derive(Debug, Clone, Copy)]
@@ -55,33 +56,34 @@ pub(crate) struct Piece {
 /// The pieces of all cells, as their samples tell. A cell whose whole sample is of one region is of it with all its points.
 pub(crate) fn pieces<'s>(
     field: &Field,
-    of_cells: &[OfCell],
+    of_cells: &OfCells,
     candidates: &[Option<Candidate>],
     reach: f64,
     samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
 ) -> Vec<Piece> {
-    let of_some = |(first, of_cells): (usize, &[OfCell])| {
+    let of_some = |(first, of_cells): (usize, (&[Nearby], &[Parts]))| {
         // Cells are numbered with 32 bits.
         let first = u32::try_from(first * AT_ONCE).unwrap_or(u32::MAX);
         pieces_of_some(field, (first, of_cells), candidates, reach, &samples)
     };
-    let pieces: Vec<Vec<Piece>> = of_cells.par_chunks(AT_ONCE).enumerate().map(of_some).collect();
+    let chunks = of_cells.nearby.par_chunks(AT_ONCE).zip(of_cells.parts.par_chunks(AT_ONCE));
+    let pieces: Vec<Vec<Piece>> = chunks.enumerate().map(of_some).collect();
     pieces.concat()
 }
 
 /// Of some cells, and where they begin.
 fn pieces_of_some<'s>(
     field: &Field,
-    (first, of_cells): (u32, &[OfCell]),
+    (first, (nearby, parts)): (u32, (&[Nearby], &[Parts])),
     candidates: &[Option<Candidate>],
     reach: f64,
     samples: impl Fn(usize) -> &'s [[f32; 3]],
 ) -> Vec<Piece> {
-    let mut pieces: Vec<Piece> = Vec::with_capacity(of_cells.len());
-    for (cell, of) in (first..).zip(of_cells) {
+    let mut pieces: Vec<Piece> = Vec::with_capacity(parts.len());
+    for (cell, (nearby, parts)) in (first..).zip(nearby.iter().zip(parts)) {
         let sums = &field.cells[cell as usize];
         let plane = |region: u32| Some(candidates[region as usize].as_ref()?.plane);
-        let parts = of.parts.as_slice().iter().filter(|part| part.labelled > 0.0);
+        let parts = parts.as_slice().iter().filter(|part| part.labelled > 0.0);
         for part in parts {
             let Some(plane) = plane(part.region) else { continue };
             // Shares of a count of 64 bits that is above 2³² do not occur: so many points are not numbered.
@@ -95,7 +97,7 @@ fn pieces_of_some<'s>(
             }
             let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
             for place in samples(cell as usize) {
-                if of.nearby.label(*place, reach) == Some(part.region) {
+                if nearby.label(*place, reach) == Some(part.region) {
                     let place = DVec3::from(place.map(f64::from));
                     count += 1.0;
                     sum += place;

@@ -83,6 +83,7 @@ mod labels;
 mod level;
 mod mixture;
 mod near;
+mod of_cells;
 mod parts;
 mod samples;
 #[cfg(test)]

@@ -3,19 +3,18 @@
 use rayon::prelude::*;
 
 use crate::cell::{Noise, Sums};
-use crate::ends::Ends;
+use crate::ends::{End, Ends};
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::grow::Region;
 use crate::near::{Near, Nearby, Several, Within};
+use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
 use crate::{Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
 const ROUNDS: usize = 4;
 /// Shares below this are none.
 const LEAST_SHARE: f64 = 1e-3;
-/// Shares of the points of a cell that change by less have settled.
-const SETTLED: f64 = 0.02;
 /// A region that keeps a smaller share of the points of its cells is explained by others.
 const OWN: f64 = 0.5;
 /// Cells that are handed to a thread at once.
@@ -29,110 +28,20 @@ pub(crate) struct Candidate {
     points: f64,
 }
 
-/// The points of a cell that are of a region.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Part {
-    pub(crate) region: u32,
-    /// How many are expected to be.
-    expected: f64,
-    /// How many are more probably of it than of any other.
-    pub(crate) labelled: f64,
-}
-
-/// What the points of a cell are of.
-#[derive(Debug, Clone)]
-pub(crate) struct OfCell {
-    pub(crate) nearby: Nearby,
-    pub(crate) parts: Parts,
-    /// Whether some point may be of two regions: their shares then matter.
-    is_open: bool,
-}
-
-/// How a cell differs from what it was before.
-enum Difference {
-    None,
-    /// More of its points are of one region than before, by what matters.
-    Shares,
-    /// Its points are of other regions.
-    Regions,
-}
-
-impl OfCell {
-    fn take_nearby(&mut self) -> Nearby {
-        std::mem::replace(&mut self.nearby, Nearby::None)
-    }
-
-    fn differs(&self, before: &Self, points: f64) -> Difference {
-        let (now, before) = (self.parts.as_slice(), before.parts.as_slice());
-        if !now.iter().map(|part| part.region).eq(before.iter().map(|part| part.region)) {
-            return Difference::Regions;
-        }
-        let moved = |(now, before): (&Part, &Part)| (now.expected - before.expected).abs() > SETTLED * points;
-        if now.iter().zip(before).any(moved) { Difference::Shares } else { Difference::None }
-    }
-}
-
-/// By number of the region.
-#[derive(Debug, Clone)]
-pub(crate) enum Parts {
-    None,
-    One(Part),
-    Several(Box<[Part]>),
-}
-
-impl Parts {
-    pub(crate) fn as_slice(&self) -> &[Part] {
-        match self {
-            Self::None => &[],
-            Self::One(part) => std::slice::from_ref(part),
-            Self::Several(parts) => parts,
-        }
-    }
-
-    fn regions(&self) -> impl Iterator<Item = u32> {
-        self.as_slice().iter().map(|part| part.region)
-    }
-
-    /// The region, if it is one, in four bytes: to look at many cells.
-    fn code(&self) -> u32 {
-        match self {
-            Self::None => NOTHING,
-            Self::One(part) => part.region,
-            Self::Several(_) => SEVERAL,
-        }
-    }
-
-    fn of(parts: &[Part]) -> Self {
-        match parts {
-            [] => Self::None,
-            [one] => Self::One(*one),
-            parts => Self::Several(parts.into()),
-        }
-    }
-
-    fn retain(&mut self, keep: impl Fn(u32) -> bool) {
-        if !self.regions().all(&keep) {
-            let kept: Vec<Part> = self.as_slice().iter().filter(|part| keep(part.region)).copied().collect();
-            *self = Self::of(&kept);
-        }
-    }
-}
-
-/// Codes of cells with parts of no region, and of several. Regions are fewer than cells, three to each.
-const NOTHING: u32 = u32::MAX;
-const SEVERAL: u32 = u32::MAX - 1;
-
 /// All cells as they were in the round before.
 #[derive(Clone, Copy)]
 struct Before<'a> {
-    of_cells: &'a [OfCell],
+    parts: &'a [Parts],
     codes: &'a [u32],
 }
 
 /// Memory that a thread works with.
 #[derive(Default)]
 struct Work {
+    /// The cells that are looked at.
+    todo: Vec<usize>,
     shares: Vec<(u32, f64)>,
+    ends: Vec<End>,
     parts: Vec<Part>,
     scores: Vec<f32>,
     /// Samples of the cells that are looked at, one after the other, and where each begins.
@@ -171,7 +80,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     ///
     /// A cell is looked at again only where that can change something: the regions near it are others than before, or some of its points
     /// may be of two regions, and the shares around have changed.
-    pub(crate) fn solve(&self, regions: &[Region]) -> (Vec<OfCell>, Vec<Option<Candidate>>) {
+    pub(crate) fn solve(&self, regions: &[Region]) -> (OfCells, Vec<Option<Candidate>>) {
         let cells = self.field.cells.len();
         let mut candidates: Vec<Option<Candidate>> =
             regions.iter().map(|region| Some(Candidate::of(region))).collect();
@@ -186,73 +95,82 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         } else {
             Ends::default()
         };
-        let first = |(cell, region): (&Sums, &Option<u32>)| OfCell {
-            nearby: Nearby::None,
-            parts: region.map_or(Parts::None, |region| {
-                Parts::One(Part { region, expected: cell.points, labelled: 0.0 })
-            }),
-            is_open: false,
+        let first = |(cell, region): (&Sums, &Option<u32>)| {
+            let part = |region| Part { region, expected: cell.points, labelled: 0.0 };
+            region.map_or(Parts::None, |region| Parts::One(part(region)))
         };
-        let mut of_cells: Vec<OfCell> = self.field.cells.iter().zip(&region_of).map(first).collect();
-        let mut codes: Vec<u32> = of_cells.iter().map(|of| of.parts.code()).collect();
+        let mut parts: Vec<Parts> = self.field.cells.iter().zip(&region_of).map(first).collect();
+        let mut codes: Vec<u32> = parts.iter().map(Parts::code).collect();
+        let mut nearby = vec![Nearby::None; cells];
+        // Whether some point of a cell may be of two regions: their shares then matter.
+        let mut is_open = vec![false; cells];
         let mut again = vec![true; cells];
         for round in 1..=ROUNDS {
-            let todo: Vec<usize> = (0..cells).filter(|cell| again[*cell]).collect();
-            // What they were near is made use of; what others are is asked of their parts.
-            let mut known: Vec<Nearby> = todo.iter().map(|cell| of_cells[*cell].take_nearby()).collect();
-            let before = Before { of_cells: &of_cells, codes: &codes };
-            let found: Vec<Vec<OfCell>> = todo
-                .par_chunks(AT_ONCE)
-                .zip(known.par_chunks_mut(AT_ONCE))
-                .map_init(Work::default, |work, (cells, known)| {
-                    // At once: so the memory of one is not waited for before that of the next is asked for.
-                    work.places.clear();
-                    work.starts.clear();
-                    for cell in cells {
-                        work.starts.push(work.places.len());
-                        work.places.extend_from_slice(self.places(*cell));
-                    }
-                    work.starts.push(work.places.len());
-                    let look = |(at, (cell, known)): (usize, (&usize, &mut Nearby))| {
-                        let known = std::mem::replace(known, Nearby::None);
-                        let nearby = self.nearby(*cell, known, before, &candidates, &ends, &mut work.shares);
-                        self.look(*cell, at, nearby, work)
-                    };
-                    cells.iter().zip(known).enumerate().map(look).collect()
-                })
-                .collect();
-            let different = |(cell, now): (&usize, &OfCell)| {
-                now.differs(&of_cells[*cell], self.field.cells[*cell].points)
-            };
-            let differences: Vec<Difference> =
-                todo.iter().zip(found.iter().flatten()).map(different).collect();
-            for (cell, now) in todo.iter().zip(found.into_iter().flatten()) {
-                codes[*cell] = now.parts.code();
-                of_cells[*cell] = now;
+            let before = Before { parts: &parts, codes: &codes };
+            let found = self.look_again(&again, &mut nearby, before, &candidates, &ends);
+            let mut changed = Vec::new();
+            let todo = (0..cells).filter(|cell| again[*cell]);
+            for (cell, (now, open)) in todo.zip(found.into_iter().flatten()) {
+                let difference = now.differ(&parts[cell], self.field.cells[cell].points);
+                if difference != Difference::None {
+                    changed.push((cell, difference));
+                }
+                (codes[cell], parts[cell], is_open[cell]) = (now.code(), now, open);
             }
             // By what all cells are now, whichever was looked at first.
             again.fill(false);
-            for (cell, difference) in todo.iter().zip(differences) {
-                match difference {
-                    Difference::Regions => self.mark_around(*cell, &mut again, |_| true),
-                    Difference::Shares => self.mark_around(*cell, &mut again, |near| of_cells[near].is_open),
-                    Difference::None => {}
-                }
+            for (cell, difference) in changed {
+                let matters = |near: usize| difference == Difference::Regions || is_open[near];
+                self.mark_around(cell, &mut again, matters);
             }
             // The last round labels among those that are left.
-            if round < ROUNDS && self.take_out(&mut candidates, &of_cells, &region_of) {
+            if round < ROUNDS && self.take_out(&mut candidates, &parts, &region_of) {
                 for cell in 0..cells {
                     let left = |region: u32| candidates[region as usize].is_some();
-                    if !of_cells[cell].parts.regions().all(left) {
-                        of_cells[cell].parts.retain(left);
-                        codes[cell] = of_cells[cell].parts.code();
+                    if !parts[cell].regions().all(left) {
+                        parts[cell].retain(left);
+                        codes[cell] = parts[cell].code();
                         self.mark_around(cell, &mut again, |_| true);
                     }
-                    again[cell] |= !of_cells[cell].nearby.regions().iter().all(|near| left(near.region));
+                    again[cell] |= !nearby[cell].regions().iter().all(|near| left(near.region));
                 }
             }
         }
-        (of_cells, candidates)
+        (OfCells { nearby, parts }, candidates)
+    }
+
+    /// Looks at some cells: finds what is near them, in place of what was, and gives their parts, and whether they are open.
+    fn look_again(
+        &self,
+        again: &[bool],
+        nearby: &mut [Nearby],
+        before: Before<'_>,
+        candidates: &[Option<Candidate>],
+        ends: &Ends,
+    ) -> Vec<Vec<(Parts, bool)>> {
+        let cells = again.par_chunks(AT_ONCE).zip(nearby.par_chunks_mut(AT_ONCE)).enumerate();
+        let of_some = |work: &mut Work, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
+            let first = number * AT_ONCE;
+            work.todo.clear();
+            work.todo.extend((0..again.len()).filter(|at| again[*at]));
+            // At once: so the memory of one is not waited for before that of the next is asked for.
+            work.places.clear();
+            work.starts.clear();
+            for at in &work.todo {
+                work.starts.push(work.places.len());
+                work.places.extend_from_slice(self.places(first + at));
+            }
+            work.starts.push(work.places.len());
+            let all = 0..work.todo.len();
+            let look = |number: usize| {
+                let at = work.todo[number];
+                let known = std::mem::replace(&mut nearby[at], Nearby::None);
+                nearby[at] = self.nearby(first + at, known, before, candidates, ends, work);
+                self.look(first + at, number, &nearby[at], work)
+            };
+            all.map(look).collect()
+        };
+        cells.map_init(Work::default, of_some).collect()
     }
 
     fn mark_around(&self, cell: usize, marks: &mut [bool], is_meant: impl Fn(usize) -> bool) {
@@ -266,13 +184,13 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     fn take_out(
         &self,
         candidates: &mut [Option<Candidate>],
-        of_cells: &[OfCell],
+        parts: &[Parts],
         region_of: &[Option<u32>],
     ) -> bool {
         let mut all = vec![0.0; candidates.len()];
         let mut own = vec![0.0; candidates.len()];
-        for (cell, owner) in of_cells.iter().zip(region_of) {
-            for part in cell.parts.as_slice() {
+        for (parts, owner) in parts.iter().zip(region_of) {
+            for part in parts.as_slice() {
                 all[part.region as usize] += part.labelled;
                 own[part.region as usize] += if *owner == Some(part.region) { part.labelled } else { 0.0 };
             }
@@ -285,7 +203,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         candidates.iter().flatten().count() < before
     }
 
-    /// The regions around a cell, by number. `known` were those before, and `shares` is memory to work with.
+    /// The regions around a cell, by number. `known` were those before, and `work` is memory to work with.
     fn nearby(
         &self,
         cell: usize,
@@ -293,8 +211,9 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         before: Before<'_>,
         candidates: &[Option<Candidate>],
         ends: &Ends,
-        shares: &mut Vec<(u32, f64)>,
+        work: &mut Work,
     ) -> Nearby {
+        let Work { shares, ends: here_ends, .. } = work;
         shares.clear();
         let around =
             || std::iter::once(cell).chain(self.field.levels[0].near(cell).iter().map(|near| *near as usize));
@@ -308,7 +227,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         if alone {
             shares.extend((only != NOTHING).then_some((only, 1.0)));
         } else {
-            for part in around().flat_map(|near| before.of_cells[near].parts.as_slice()) {
+            for part in around().flat_map(|near| before.parts[near].as_slice()) {
                 match shares.iter_mut().find(|(known, _)| *known == part.region) {
                     Some((_, sum)) => *sum += part.expected,
                     None => shares.push((part.region, part.expected)),
@@ -351,33 +270,35 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
             [] => Nearby::None,
             [one] => near(one).map_or(Nearby::None, Nearby::One),
             _ => {
-                let mut several = Several::default();
+                let mut all = Vec::with_capacity(shares.len());
+                here_ends.clear();
                 for share in shares.iter() {
                     let (Some(mut near), Some(here)) = (near(*share), plane(share.0)) else { continue };
-                    let first = several.ends.len();
+                    let first = here_ends.len();
                     for (other, _) in shares.iter().filter(|(other, _)| *other != share.0) {
                         let Some(there) = plane(*other) else { continue };
                         let (here, there) = ((share.0, &here.plane), (*other, &there.plane));
-                        several.ends.extend(ends.between(here, there, (sums, anchor), self.noise));
+                        here_ends.extend(ends.between(here, there, (sums, anchor), self.noise));
                     }
-                    let count = several.ends.len() - first;
+                    let count = here_ends.len() - first;
                     // Pairs of regions near one cell: far fewer than 2³².
                     near.ends = (u32::try_from(first).unwrap_or(0), u32::try_from(count).unwrap_or(0));
-                    several.near.push(near);
+                    all.push(near);
                 }
-                Nearby::Several(Box::new(several))
+                // A copy has no room to spare.
+                Nearby::Several(Box::new(Several { near: all, ends: here_ends.clone() }))
             }
         }
     }
 
-    /// What the points of a cell are of, with these regions near it: one of those whose samples are in `work`.
-    fn look(&self, cell: usize, at: usize, nearby: Nearby, work: &mut Work) -> OfCell {
+    /// What the points of a cell are of, with these regions near it, and whether some may be of two: one of those whose samples are in `work`.
+    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work) -> (Parts, bool) {
         let points = self.field.cells[cell].points;
         let Work { places, starts, parts, scores, .. } = work;
         let places = &places[starts[at]..starts[at + 1]];
         let each = points / places.len() as f64;
         let reach = single(self.settings.reach);
-        let (parts, is_open) = match &nearby {
+        match nearby {
             Nearby::None => (Parts::None, false),
             Nearby::One(near) => {
                 let within = places.iter().filter(|place| near.errors(**place, reach).is_some()).count();
@@ -386,8 +307,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
                 (if within > 0 { Parts::One(part) } else { Parts::None }, false)
             }
             Nearby::Several(several) => several.mixed(places, each, reach, (parts, scores)),
-        };
-        OfCell { nearby, parts, is_open }
+        }
     }
 
     /// Some points of a cell, at least one: a cell has points.
