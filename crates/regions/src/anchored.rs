@@ -119,7 +119,9 @@ impl Anchored {
             let (of_cube, rest) =
                 left.split_at(left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len()));
             let mut sum = Sum::ZERO;
-            of_cube.iter().for_each(|cell| sum.add(&self.sums[*cell as usize]));
+            for cell in of_cube {
+                sum.add(&self.sums[*cell as usize]);
+            }
             all.add(&sum.translated(cube.anchor - anchor));
             left = rest;
         }

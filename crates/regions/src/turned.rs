@@ -89,7 +89,7 @@ pub(crate) struct Limit {
 impl Limit {
     /// Whether the surface is along a plane; `None` where only a fit tells.
     #[inline]
-    pub(crate) fn is_along(&self, around: &Turned, plane: &Flat) -> Option<bool> {
+    pub(crate) fn is_along(self, around: &Turned, plane: &Flat) -> Option<bool> {
         let cosine = DVec3::from(around.normal.map(f64::from)).dot(plane.normal).abs();
         if cosine >= f64::from(self.along) {
             return Some(true);
