@@ -2,10 +2,13 @@
 
 use rayon::prelude::*;
 use terrace_grid::{DenseCells, VoxelGrid, Walk};
-use terrace_normals::{Degenerate, UncertainNormal, estimate};
+use terrace_normals::{Degenerate, Summary, UncertainNormal, estimate};
 use terrace_stats::Stats;
 
 use crate::Params;
+
+/// Cells that are handed to a thread at once.
+const AT_ONCE: usize = 1 << 10;
 
 /// Dense cells in the order of their keys, with what is known of each.
 #[derive(Debug, Clone)]
@@ -33,9 +36,10 @@ impl Nodes {
 
     pub(crate) fn find_normals(&mut self, params: &Params) {
         let Self { dense, stats, normals } = self;
+        let cells: Vec<Summary> = stats.par_iter().with_min_len(AT_ONCE).map(Summary::of).collect();
         let found = (0..dense.len()).into_par_iter().map_init(Walk::default, |walk, node| {
             let around = walk.neighbourhood(dense, node, params.depth);
-            estimate(around.iter().map(|near| &stats[*near as usize]), params.fit)
+            estimate(around.iter().map(|near| &cells[*near as usize]), params.fit)
         });
         found.collect_into_vec(normals);
     }

@@ -36,7 +36,8 @@
 //!
 //! # Why this interface
 //! * [`estimate`] takes any iterator over statistics that can be walked again, so that a neighbourhood is named by
-//!   references into a map and nothing is copied or allocated.
+//!   references into a map and nothing is copied or allocated. Where all cells of a map are asked for, a [`Summary`] of each, made once, is
+//!   faster, for each is of many neighbourhoods.
 //! * The uncertainty is per component of the normal, as the paper has it. The perturbations are chosen for each component
 //!   and not along the eigenvectors of the plane: where a patch is as long as wide those are a matter of rounding, and
 //!   with them the uncertainty would be, by a third.
@@ -57,6 +58,7 @@ mod eigen;
 mod fit;
 mod minmax;
 mod orient;
+mod summary;
 
 pub use bounds::EigenvalueBounds;
 pub use covariant::CovariantPlane;
@@ -65,6 +67,7 @@ pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};
 pub use fit::{PlaneFit, fit_centres, fit_plane};
 pub use minmax::{FitTo, UncertainNormal, estimate};
 pub use orient::{canonical, towards};
+pub use summary::{Summarised, Summary};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

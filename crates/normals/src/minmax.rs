@@ -1,10 +1,10 @@
 //! The normal of a neighbourhood and its min-max uncertainty (Definition 3).
 
 use glam::DVec3;
-use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
+use terrace_stats::{SymmetricMatrix3, UncertainVector};
 
 use crate::fit::{Spread, determined, rounding};
-use crate::{Degenerate, PlaneFit, symmetric_eigen, symmetric_eigen_batch};
+use crate::{Degenerate, PlaneFit, Summarised, symmetric_eigen, symmetric_eigen_batch};
 
 /// What the plane of a neighbourhood is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -56,18 +56,18 @@ const ON_AXIS: f64 = 1e-9;
 /// `a nᵀ + n aᵀ + (Σ wᵢ tᵢ² − (Σ wᵢ tᵢ)²) n nᵀ` with `a = Σ wᵢ tᵢ (cᵢ − c)`.
 ///
 /// # Parameters
-/// * `cells`: the statistics of the cells of the neighbourhood, at least three with points.
+/// * `cells`: the statistics of the cells of the neighbourhood, at least three with points, or [summaries](crate::Summary) of them.
 /// * `to`: what is fitted, see [`FitTo`].
 ///
 /// # Errors
 /// [`Degenerate`] when the plane or the tilt is not determined. The *centres* must not be on a line, whatever is fitted:
 /// the perturbations turn the plane at the centres, and would find centres in a row to be certain.
-pub fn estimate<'c>(
-    cells: impl IntoIterator<Item = &'c Stats, IntoIter: Clone>,
+pub fn estimate<'c, C: Summarised + 'c>(
+    cells: impl IntoIterator<Item = &'c C, IntoIter: Clone>,
     to: FitTo,
 ) -> Result<UncertainNormal, Degenerate> {
     let cells = cells.into_iter();
-    let centres = Spread::of(cells.clone().filter_map(Stats::mean))?;
+    let centres = Spread::of(cells.clone().filter_map(C::mean))?;
     let (fit, weight) = match to {
         FitTo::Centres => {
             let eigen = symmetric_eigen(&centres.covariance);
@@ -93,8 +93,8 @@ pub fn estimate<'c>(
 }
 
 /// The plane through all points of the cells, and their weight.
-fn fit_union<'c>(
-    cells: impl Iterator<Item = &'c Stats>,
+fn fit_union<'c, C: Summarised + 'c>(
+    cells: impl Iterator<Item = &'c C>,
     centres: &Spread,
 ) -> Result<(PlaneFit, f64), Degenerate> {
     let origin = DVec3::from_array(centres.centroid);

@@ -9,7 +9,9 @@ use motion::{Motion, motion};
 use proptest::prelude::*;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use terrace_normals::{Degenerate, FitTo, PlaneFit, UncertainNormal, estimate, fit_centres, fit_plane};
+use terrace_normals::{
+    Degenerate, FitTo, PlaneFit, Summary, UncertainNormal, estimate, fit_centres, fit_plane,
+};
 use terrace_stats::{Stats, UncertainVector};
 
 const BOTH: [FitTo; 2] = [FitTo::Centres, FitTo::Points];
@@ -114,6 +116,17 @@ fn neighbourhood(cells: std::ops::Range<usize>, rough: f64, error: f64) -> impl 
 }
 
 proptest! {
+    #[test]
+    fn summaries_give_the_same_to_the_bit(cells in neighbourhood(1..9, 0.03, 0.01), weightless in 0..3_usize) {
+        let mut cells = cells;
+        cells.truncate(12 - 3 * weightless);
+        cells.insert(weightless, Stats::new([0.1; 3]));
+        let summaries: Vec<Summary> = cells.iter().map(Summary::of).collect();
+        for to in BOTH {
+            prop_assert_eq!(estimate(&summaries, to), estimate(&cells, to));
+        }
+    }
+
     #[test]
     fn as_the_plain_way_to_rounding(cells in neighbourhood(1..9, 0.03, 0.01)) {
         for to in BOTH {
