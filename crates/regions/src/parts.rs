@@ -6,8 +6,11 @@ use crate::field::Field;
 use crate::labels::Piece;
 use crate::level::Level;
 
-/// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
+/// The planes of a scene hang together at a resolution when those of their parts that would be planes hold this share of their points: what
+/// is left are crumbs, of which there are many where points are too far apart to touch.
 const HANG_TOGETHER: f64 = 0.85;
+/// And their largest parts this share: two halves may be two planes, but a few rows of points, each a part that is large enough, are one.
+const IN_LARGEST: f64 = 0.4;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
@@ -35,9 +38,9 @@ struct Parts {
 /// The largest part keeps its number, others of at least `fewest` points and this share of the region's get new ones, smaller ones stay
 /// with the largest.
 ///
-/// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
-/// them are seen apart there, and points in rows with gaps between them are not. Groups that hold much else, at the borders of a part, are
-/// of the part they touch and lead to no other.
+/// What touches is told at the finest resolution at which the planes of the scene hang together, or fall into few large parts: coplanar
+/// surfaces with a gap between them are seen apart there, and points in rows with gaps between them are not. Groups that hold much else,
+/// at the borders of a part, are of the part they touch and lead to no other.
 pub(crate) fn take_apart(
     field: &Field,
     pieces: &[Piece],
@@ -63,24 +66,20 @@ pub(crate) fn take_apart(
             },
         );
         let found: Vec<(Groups, Parts)> = found.collect();
-        let largest: u64 = found.iter().filter_map(|(_, parts)| parts.points.first()).sum();
-        let all: u64 = found.iter().flat_map(|(_, parts)| &parts.points).sum();
-        (largest as f64 >= HANG_TOGETHER * all as f64).then_some((level, found))
+        let sum = |of: &dyn Fn(&Parts) -> u64| found.iter().map(|(_, parts)| of(parts)).sum::<u64>() as f64;
+        let (all, largest) = (sum(&Parts::all), sum(&|parts| parts.points.first().copied().unwrap_or(0)));
+        let planes = sum(&|parts| parts.planes(parts.least(fewest, share)).map(|(_, points)| points).sum());
+        (planes >= HANG_TOGETHER * all && largest >= IN_LARGEST * all).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
     for (of, (groups, parts)) in of_region.iter().zip(&found) {
         let Some(region) = of.first().map(|at| pieces[*at].region) else { continue };
-        let all: u64 = parts.points.iter().sum();
-        let least = fewest.max(share * all as f64);
-        let number = |(rank, points): (usize, &u64)| {
-            if rank == 0 || (*points as f64) < least {
-                return region;
-            }
+        let mut names: Vec<u32> = vec![region; parts.points.len()];
+        for (rank, _) in parts.planes(parts.least(fewest, share)).skip(1) {
             from.push(region);
             // Parts are made of pieces, and those of cells, which are numbered with 32 bits.
-            u32::try_from(regions + from.len() - 1).unwrap_or(region)
-        };
-        let names: Vec<u32> = parts.points.iter().enumerate().map(number).collect();
+            names[rank] = u32::try_from(regions + from.len() - 1).unwrap_or(region);
+        }
         for at in of {
             let group = level.group(pieces[*at].cell as usize);
             if let Ok(place) = groups.numbers.binary_search(&group) {
@@ -89,6 +88,24 @@ pub(crate) fn take_apart(
         }
     }
     (numbers, from)
+}
+
+impl Parts {
+    /// The points of all.
+    fn all(&self) -> u64 {
+        self.points.iter().sum()
+    }
+
+    /// The points that make a part a plane, beside the largest: so many, and this share of all.
+    fn least(&self, fewest: f64, share: f64) -> f64 {
+        fewest.max(share * self.all() as f64)
+    }
+
+    /// Ranks and points of the parts that are planes of their own: the largest, and what has so many points.
+    fn planes(&self, least: f64) -> impl Iterator<Item = (usize, u64)> {
+        let parts = self.points.iter().copied().enumerate();
+        parts.take_while(move |(rank, points)| *rank == 0 || *points as f64 >= least)
+    }
 }
 
 impl Groups {
