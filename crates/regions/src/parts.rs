@@ -2,14 +2,15 @@
 
 use rayon::prelude::*;
 
-use crate::field::Field;
+use crate::field::{COARSE, Field};
 use crate::labels::Piece;
 use crate::level::Level;
 
-/// The planes of a scene hang together at a resolution when those of their parts that would be planes hold this share of their points: what
-/// is left are crumbs, of which there are many where points are too far apart to touch.
+/// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
-/// And their largest parts this share: two halves may be two planes, but a few rows of points, each a part that is large enough, are one.
+/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this: two
+/// halves may be two planes, but a few rows of points are one.
+const FEW_CRUMBS: f64 = 0.85;
 const IN_LARGEST: f64 = 0.4;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
@@ -38,9 +39,10 @@ struct Parts {
 /// The largest part keeps its number, others of at least `fewest` points and this share of the region's get new ones, smaller ones stay
 /// with the largest.
 ///
-/// What touches is told at the finest resolution at which the planes of the scene hang together, or fall into few large parts: coplanar
-/// surfaces with a gap between them are seen apart there, and points in rows with gaps between them are not. Groups that hold much else,
-/// at the borders of a part, are of the part they touch and lead to no other.
+/// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
+/// them are seen apart there, and points in rows with gaps between them are not. Cells that are as large as noise and spacing suggest, or
+/// larger, tell it as well when planes fall apart there into a few large parts: it is in crumbs that they fall where points are too far
+/// apart to touch. Groups that hold much else, at the borders of a part, are of the part they touch and lead to no other.
 pub(crate) fn take_apart(
     field: &Field,
     pieces: &[Piece],
@@ -54,7 +56,7 @@ pub(crate) fn take_apart(
     }
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
     let mut from: Vec<u32> = Vec::new();
-    let apart = field.levels.iter().find_map(|level| {
+    let apart = field.levels.iter().enumerate().find_map(|(resolution, level)| {
         let all = |group: usize| level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
         let held: Vec<f64> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(all).collect();
         let found = of_region.par_iter().map_init(
@@ -69,7 +71,9 @@ pub(crate) fn take_apart(
         let sum = |of: &dyn Fn(&Parts) -> u64| found.iter().map(|(_, parts)| of(parts)).sum::<u64>() as f64;
         let (all, largest) = (sum(&Parts::all), sum(&|parts| parts.points.first().copied().unwrap_or(0)));
         let planes = sum(&|parts| parts.planes(parts.least(fewest, share)).map(|(_, points)| points).sum());
-        (planes >= HANG_TOGETHER * all && largest >= IN_LARGEST * all).then_some((level, found))
+        let hang_together = largest >= HANG_TOGETHER * all;
+        let fall_apart = || planes >= FEW_CRUMBS * all && largest >= IN_LARGEST * all;
+        (hang_together || resolution >= COARSE && fall_apart()).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
     for (of, (groups, parts)) in of_region.iter().zip(&found) {
