@@ -2,12 +2,16 @@
 
 use rayon::prelude::*;
 
-use crate::field::Field;
+use crate::field::{COARSE, Field};
 use crate::labels::Piece;
 use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
+/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this: two
+/// halves may be two planes, but a few rows of points are one.
+const FEW_CRUMBS: f64 = 0.85;
+const IN_LARGEST: f64 = 0.4;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
@@ -36,8 +40,9 @@ struct Parts {
 /// with the largest.
 ///
 /// What touches is told at the finest resolution at which the planes of the scene hang together: coplanar surfaces with a gap between
-/// them are seen apart there, and points in rows with gaps between them are not. Groups that hold much else, at the borders of a part, are
-/// of the part they touch and lead to no other.
+/// them are seen apart there, and points in rows with gaps between them are not. Cells that are as large as noise and spacing suggest, or
+/// larger, tell it as well when planes fall apart there into a few large parts: it is in crumbs that they fall where points are too far
+/// apart to touch. Groups that hold much else, at the borders of a part, are of the part they touch and lead to no other.
 pub(crate) fn take_apart(
     field: &Field,
     pieces: &[Piece],
@@ -51,7 +56,7 @@ pub(crate) fn take_apart(
     }
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
     let mut from: Vec<u32> = Vec::new();
-    let apart = field.levels.iter().find_map(|level| {
+    let apart = field.levels.iter().enumerate().find_map(|(resolution, level)| {
         let all = |group: usize| level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
         let held: Vec<f64> = (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(all).collect();
         let found = of_region.par_iter().map_init(
@@ -63,24 +68,22 @@ pub(crate) fn take_apart(
             },
         );
         let found: Vec<(Groups, Parts)> = found.collect();
-        let largest: u64 = found.iter().filter_map(|(_, parts)| parts.points.first()).sum();
-        let all: u64 = found.iter().flat_map(|(_, parts)| &parts.points).sum();
-        (largest as f64 >= HANG_TOGETHER * all as f64).then_some((level, found))
+        let sum = |of: &dyn Fn(&Parts) -> u64| found.iter().map(|(_, parts)| of(parts)).sum::<u64>() as f64;
+        let (all, largest) = (sum(&Parts::all), sum(&|parts| parts.points.first().copied().unwrap_or(0)));
+        let planes = sum(&|parts| parts.planes(parts.least(fewest, share)).map(|(_, points)| points).sum());
+        let hang_together = largest >= HANG_TOGETHER * all;
+        let fall_apart = || planes >= FEW_CRUMBS * all && largest >= IN_LARGEST * all;
+        (hang_together || resolution >= COARSE && fall_apart()).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
     for (of, (groups, parts)) in of_region.iter().zip(&found) {
         let Some(region) = of.first().map(|at| pieces[*at].region) else { continue };
-        let all: u64 = parts.points.iter().sum();
-        let least = fewest.max(share * all as f64);
-        let number = |(rank, points): (usize, &u64)| {
-            if rank == 0 || (*points as f64) < least {
-                return region;
-            }
+        let mut names: Vec<u32> = vec![region; parts.points.len()];
+        for (rank, _) in parts.planes(parts.least(fewest, share)).skip(1) {
             from.push(region);
             // Parts are made of pieces, and those of cells, which are numbered with 32 bits.
-            u32::try_from(regions + from.len() - 1).unwrap_or(region)
-        };
-        let names: Vec<u32> = parts.points.iter().enumerate().map(number).collect();
+            names[rank] = u32::try_from(regions + from.len() - 1).unwrap_or(region);
+        }
         for at in of {
             let group = level.group(pieces[*at].cell as usize);
             if let Ok(place) = groups.numbers.binary_search(&group) {
@@ -89,6 +92,24 @@ pub(crate) fn take_apart(
         }
     }
     (numbers, from)
+}
+
+impl Parts {
+    /// The points of all.
+    fn all(&self) -> u64 {
+        self.points.iter().sum()
+    }
+
+    /// The points that make a part a plane, beside the largest: so many, and this share of all.
+    fn least(&self, fewest: f64, share: f64) -> f64 {
+        fewest.max(share * self.all() as f64)
+    }
+
+    /// Ranks and points of the parts that are planes of their own: the largest, and what has so many points.
+    fn planes(&self, least: f64) -> impl Iterator<Item = (usize, u64)> {
+        let parts = self.points.iter().copied().enumerate();
+        parts.take_while(move |(rank, points)| *rank == 0 || *points as f64 >= least)
+    }
 }
 
 impl Groups {

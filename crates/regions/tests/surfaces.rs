@@ -157,6 +157,19 @@ fn boards_in_line_are_two_regions_of_one_surface() {
     assert!(count(&scene, &found, 2, Some(1)) > 300);
 }
 
+/// Half of all points are not in the largest part, at any resolution at which there are two.
+#[test]
+fn boards_without_a_floor_are_two_regions() {
+    let mut scene = Scene::new(18, SIGMA);
+    for (truth, x) in [(0, 0.5), (1, 1.0 + 6.0 * EDGE)] {
+        scene.add(truth, 4000, rectangle([x, 1.512, 1.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.5]));
+    }
+    let found = scene.cells(EDGE).segment();
+    let [one, other] = found.regions[..] else { panic!("{:?}", found.regions) };
+    assert_eq!(one.surface, other.surface);
+    assert_eq!(wrong(&scene, &found), 0);
+}
+
 /// A floor, and above it two faces in one plane with a groove between them, as wide as a cell: it may lie within one layer of cells, or in
 /// two that hold points of the faces as well.
 #[test]
