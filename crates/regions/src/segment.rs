@@ -167,12 +167,24 @@ impl Grown {
     ///
     /// # Errors
     /// [`RegionsError::Setting`] for a setting out of its range.
-    pub fn of(mut field: Field, settings: &Settings) -> Result<Self, RegionsError> {
+    pub fn of(field: Field, settings: &Settings) -> Result<Self, RegionsError> {
+        Self::beside(field, settings, || ()).map(|(grown, ())| grown)
+    }
+
+    /// As [`of`](Self::of), and does other work meanwhile: what comes before growth is on all threads, and growth on one.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of); the other work is not done then.
+    pub fn beside<R: Send>(
+        mut field: Field,
+        settings: &Settings,
+        other: impl FnOnce() -> R + Send,
+    ) -> Result<(Self, R), RegionsError> {
         settings.validate()?;
         field.begin_growth();
-        let (regions, noise) = grow_as_noise_allows(&field, settings);
+        let ((regions, noise), done) = rayon::join(|| grow_as_noise_allows(&field, settings), other);
         field.end_growth();
-        Ok(Self { field, regions, noise, settings: *settings })
+        Ok((Self { field, regions, noise, settings: *settings }, done))
     }
 
     /// Finds the planes by samples of points, as [`find`] does.

@@ -37,12 +37,15 @@ struct Part {
 /// Where points go first.
 struct Front<'m> {
     grid: &'m mut VoxelGrid,
+    /// Whether it matters where in their cells they are.
+    places: bool,
     taken: Result<Taken, GridError>,
 }
 
 /// What becomes of points once their cells are known.
 struct Behind<'m> {
-    samples: &'m mut Samples,
+    /// Where regions are grown.
+    samples: Option<&'m mut Samples>,
     /// Where it is asked for.
     seen: Option<&'m mut Seen>,
     /// Where points are kept, and in what unit.
@@ -51,16 +54,22 @@ struct Behind<'m> {
 }
 
 impl Mapper {
-    /// Adds points with weight 1, where regions are grown.
+    /// Adds points with weight 1.
     pub(super) fn add_beside(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
         let mut kept = self.kept_of(scan.len());
         let matters = self.sightings_matter(scan);
         let keeps = self.seen.is_none();
+        let grows = self.params.grows().is_some();
         let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let unit = grid.place_unit();
         let seen = seen.as_mut().filter(|_| matters);
-        let behind = Mutex::new(Behind { samples, seen, kept: keeps.then_some(&mut kept), unit });
-        let front = Mutex::new(Front { grid, taken: Ok(Taken::default()) });
+        let behind = Mutex::new(Behind {
+            samples: grows.then_some(samples),
+            seen,
+            kept: keeps.then_some(&mut kept),
+            unit,
+        });
+        let front = Mutex::new(Front { grid, places: grows, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
         let parts: [Mutex<Part>; ROOM] = Default::default();
         let step = |step: usize, number: usize| {
@@ -99,7 +108,7 @@ impl Front<'_> {
         cells.clear();
         places.clear();
         let (points, errors) = world.made(scan, range);
-        let taken = self.grid.insert_alone(points, errors, cells, Some(places));
+        let taken = self.grid.insert_alone(points, errors, cells, self.places.then_some(places));
         self.taken = self.taken.and_then(|all| Ok(both(&all, &taken?)));
         self.taken.is_ok()
     }
@@ -108,7 +117,9 @@ impl Front<'_> {
 impl Behind<'_> {
     fn take(&mut self, part: &Part) {
         let Part { cells, places, .. } = part;
-        self.samples.push_alone(|at| number(cells[at]), places);
+        if let Some(samples) = &mut self.samples {
+            samples.push_alone(|at| number(cells[at]), places);
+        }
         if let Some(seen) = &mut self.seen {
             seen.push(cells);
         }

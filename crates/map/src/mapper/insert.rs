@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
+use terrace_grid::{CellId, GridError, Taken};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
@@ -81,7 +81,7 @@ impl Mapper {
         self.coarse = OnceLock::new();
         let taken = match self.params.weighting {
             // With more of them, insertion itself is what they do.
-            Weighting::Uniform if rayon::current_num_threads() == 2 && self.grows_in_order(scan) => {
+            Weighting::Uniform if rayon::current_num_threads() == 2 && self.is_in_order(scan) => {
                 self.add_beside(scan)?
             }
             Weighting::Uniform => self.add_all(scan)?,
@@ -110,10 +110,9 @@ impl Mapper {
         }
     }
 
-    /// Whether regions are grown, and the points of a scan follow each other: in its frame as well as in the world.
-    fn grows_in_order(&self, scan: &Scan) -> bool {
-        let in_order = |grid: &VoxelGrid| grid.are_in_order(scan.points());
-        self.params.grows().is_some() && self.fine.as_ref().is_some_and(in_order)
+    /// Whether the points of a scan follow each other: in its frame as well as in the world.
+    fn is_in_order(&self, scan: &Scan) -> bool {
+        self.fine.as_ref().is_some_and(|grid| grid.are_in_order(scan.points()))
     }
 
     /// Adds points with weight 1, many at once.

@@ -114,9 +114,8 @@ impl<'m> Grown<'m> {
             fine.find_errors(&mut field, &mut errors)?;
         }
         // Regions grow one after the other: what does not need them has the other threads.
-        let (grown, ()) =
-            rayon::join(|| Surfaces::of(field, &settings_of_find), || nodes.find_normals(mapper.params()));
-        let found = grown?
+        let (grown, ()) = Surfaces::beside(field, &settings_of_find, || nodes.find_normals(mapper.params()))?;
+        let found = grown
             .find(fine.points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
