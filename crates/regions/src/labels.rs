@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use crate::RegionsError;
 use crate::field::Field;
+use crate::flat::Flat;
 use crate::mixture::Candidate;
 use crate::near::Nearby;
-use crate::of_cells::{OfCells, Parts};
+use crate::of_cells::{OfCells, Part};
 
 /// Points, each of a cell.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +38,7 @@ impl Points<'_> {
     }
 }
 
-/// Cells that are handed to a thread at once.
+/// Pieces that are handed to a thread at once.
 const AT_ONCE: usize = 1024;
 
 /// Points of a region in a cell.
@@ -61,54 +62,39 @@ pub(crate) fn pieces<'s>(
     reach: f64,
     samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
 ) -> Vec<Piece> {
-    let of_some = |(first, of_cells): (usize, (&[Nearby], &[Parts]))| {
-        // Cells are numbered with 32 bits.
-        let first = u32::try_from(first * AT_ONCE).unwrap_or(u32::MAX);
-        pieces_of_some(field, (first, of_cells), candidates, reach, &samples)
-    };
-    let chunks = of_cells.nearby.par_chunks(AT_ONCE).zip(of_cells.parts.par_chunks(AT_ONCE));
-    let pieces: Vec<Vec<Piece>> = chunks.enumerate().map(of_some).collect();
-    pieces.concat()
-}
-
-/// Of some cells, and where they begin.
-fn pieces_of_some<'s>(
-    field: &Field,
-    (first, (nearby, parts)): (u32, (&[Nearby], &[Parts])),
-    candidates: &[Option<Candidate>],
-    reach: f64,
-    samples: impl Fn(usize) -> &'s [[f32; 3]],
-) -> Vec<Piece> {
-    let mut pieces: Vec<Piece> = Vec::with_capacity(parts.len());
-    for (cell, (nearby, parts)) in (first..).zip(nearby.iter().zip(parts)) {
-        let sums = &field.cells[cell as usize];
-        let plane = |region: u32| Some(candidates[region as usize].as_ref()?.plane);
-        let parts = parts.as_slice().iter().filter(|part| part.labelled > 0.0);
-        for part in parts {
-            let Some(plane) = plane(part.region) else { continue };
-            // Shares of a count of 64 bits that is above 2³² do not occur: so many points are not numbered.
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-            let points = part.labelled.round().max(1.0) as u32;
-            let piece = |sum: DVec3, squares: f64| Piece { region: part.region, cell, points, sum, squares };
-            if part.labelled >= sums.points {
-                let sum = (sums.mean - field.anchors[cell as usize]) * sums.points;
-                pieces.push(piece(sum, sums.mean_square(&plane) * sums.points));
-                continue;
-            }
-            let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
-            for place in samples(cell as usize) {
-                if nearby.label(*place, reach) == Some(part.region) {
-                    let place = DVec3::from(place.map(f64::from));
-                    count += 1.0;
-                    sum += place;
-                    squares += plane.distance(field.anchors[cell as usize] + place).powi(2);
-                }
-            }
-            let each = f64::from(points) / f64::max(count, 1.0);
-            pieces.push(piece(sum * each, squares * each));
-        }
+    // Which there are is told first: so they are written where they stay.
+    let mut parts: Vec<(u32, &Part, &Flat)> = Vec::with_capacity(of_cells.parts.len());
+    for (cell, of_cell) in (0..).zip(&of_cells.parts) {
+        let plane = |part| -> Option<(u32, &Part, &Flat)> {
+            let part: &Part = part;
+            Some((cell, part, &candidates[part.region as usize].as_ref()?.plane))
+        };
+        parts.extend(of_cell.as_slice().iter().filter(|part| part.labelled > 0.0).filter_map(plane));
     }
-    pieces
+    let piece = |(cell, part, plane): &(u32, &Part, &Flat)| {
+        let at = *cell as usize;
+        let (sums, anchor) = (&field.cells[at], field.anchors[at]);
+        // Shares of a count of 64 bits that is above 2³² do not occur: so many points are not numbered.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let points = part.labelled.round().max(1.0) as u32;
+        let piece =
+            |sum: DVec3, squares: f64| Piece { region: part.region, cell: *cell, points, sum, squares };
+        if part.labelled >= sums.points {
+            return piece((sums.mean - anchor) * sums.points, sums.mean_square(plane) * sums.points);
+        }
+        let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
+        for place in samples(at) {
+            if of_cells.nearby[at].label(*place, reach) == Some(part.region) {
+                let place = DVec3::from(place.map(f64::from));
+                count += 1.0;
+                sum += place;
+                squares += plane.distance(anchor + place).powi(2);
+            }
+        }
+        let each = f64::from(points) / f64::max(count, 1.0);
+        piece(sum * each, squares * each)
+    };
+    parts.par_iter().with_min_len(AT_ONCE).map(piece).collect()
 }
 
 impl Nearby {

@@ -23,9 +23,35 @@ struct Tilt(u64);
 /// Seeds in the order of how sure their orientation is. That takes a fit; so they are first sorted by a bound of it from below, and
 /// fitted when their turn comes: most are of a region by then.
 pub(crate) struct Seeds {
-    /// The surest last.
-    bounds: Vec<(Reverse<Tilt>, Reverse<Seed>)>,
+    /// By level, the surest last.
+    bounds: Vec<Vec<Bound>>,
     judged: BinaryHeap<Reverse<(Tilt, Seed)>>,
+}
+
+/// A bound of the tilt of a group, and the number of that, in one number: to be sorted fast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Bound(u64);
+
+impl Bound {
+    /// In single precision, which leaves it a bound.
+    fn of(tilt: f64, group: u32) -> Self {
+        #[allow(clippy::cast_possible_truncation)]
+        let near = tilt.max(0.0) as f32;
+        let below = if f64::from(near) > tilt { near.next_down() } else { near };
+        Self(u64::from(below.to_bits()) << 32 | u64::from(group))
+    }
+
+    fn tilt(self) -> Tilt {
+        // The upper half has 32 bits, and so has the lower.
+        #[allow(clippy::cast_possible_truncation)]
+        Tilt::of(f32::from_bits((self.0 >> 32) as u32).into())
+    }
+
+    fn group(self) -> u32 {
+        #[allow(clippy::cast_possible_truncation)]
+        let group = self.0 as u32;
+        group
+    }
 }
 
 impl Tilt {
@@ -36,34 +62,37 @@ impl Tilt {
 
 impl Seeds {
     pub(crate) fn of(field: &Field, growth: Growth) -> Self {
-        let is_used = |level: &usize| growth.without != Some(Step::Resolutions) || *level == COARSE;
+        let is_used = |level: usize| growth.without != Some(Step::Resolutions) || level == COARSE;
         let noise = field.in_units(growth.noise);
-        let mut bounds = Vec::new();
-        for level in (0..field.levels.len()).filter(is_used) {
+        let of_level = |level: usize| {
             let bound = |group: usize| {
                 let tilt = field.bounded[level][group].least_tilt(noise, SEED_CHI_SQUARED, SEED_WIDTH)?;
                 // Groups are no more than cells, which are numbered with 32 bits.
-                let group = u32::try_from(group).ok()?;
-                (tilt <= SEED_TILT).then_some((Reverse(Tilt::of(tilt)), Reverse(Seed { level, group })))
+                (tilt <= SEED_TILT).then_some(Bound::of(tilt, u32::try_from(group).ok()?))
             };
-            bounds.par_extend(
-                (0..field.levels[level].len()).into_par_iter().with_min_len(1024).filter_map(bound),
-            );
-        }
-        bounds.sort_unstable();
+            let groups = if is_used(level) { field.levels[level].len() } else { 0 };
+            let mut bounds: Vec<Bound> =
+                (0..groups).into_par_iter().with_min_len(1024).filter_map(bound).collect();
+            bounds.sort_unstable_by_key(|bound| Reverse(*bound));
+            bounds
+        };
+        let bounds = (0..field.levels.len()).into_par_iter().map(of_level).collect();
         Self { bounds, judged: BinaryHeap::new() }
     }
 
     /// The surest seed. `judge` tells its tilt, which is no smaller than its bound, or that it is none, for good.
     pub(crate) fn next(&mut self, mut judge: impl FnMut(&Seed) -> Option<f64>) -> Option<Seed> {
         loop {
-            let bound = self.bounds.last().map(|(Reverse(tilt), _)| *tilt);
+            let surest =
+                self.bounds.iter().enumerate().filter_map(|(level, all)| Some((*all.last()?, level)));
+            let bound = surest.min();
             let judged = self.judged.peek().map(|Reverse((tilt, _))| *tilt);
             match (bound, judged) {
                 (None, None) => return None,
                 // What is only bounded may be as sure, or surer.
-                (Some(bound), judged) if judged.is_none_or(|judged| bound <= judged) => {
-                    let Some((_, Reverse(seed))) = self.bounds.pop() else { continue };
+                (Some((bound, level)), judged) if judged.is_none_or(|judged| bound.tilt() <= judged) => {
+                    self.bounds[level].pop();
+                    let seed = Seed { level, group: bound.group() };
                     self.judged.extend(judge(&seed).map(|tilt| Reverse((Tilt::of(tilt), seed))));
                 }
                 _ => {
@@ -86,23 +115,35 @@ mod tests {
     proptest! {
         #[test]
         fn seeds_come_in_the_order_of_their_tilts(
-            tilts in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, prop::bool::weighted(0.8)), 0..40),
+            tilts in prop::collection::vec((0.0..1.0_f64, 0.0..=1.0_f64, prop::bool::weighted(0.8)), 0..40),
         ) {
-            let seed = |group| Seed { level: 0, group };
-            let mut bounds: Vec<_> = (0..)
-                .zip(&tilts)
-                .map(|(group, (tilt, share, _))| (Reverse(Tilt::of(tilt * share)), Reverse(seed(group))))
-                .collect();
-            bounds.sort_unstable();
+            // Every third at another level.
+            let mut bounds = vec![Vec::new(); 3];
+            for (group, (tilt, share, _)) in (0..).zip(&tilts) {
+                bounds[group as usize % 3].push(Bound::of(tilt * share, group));
+            }
+            for bounds in &mut bounds {
+                bounds.sort_unstable_by_key(|bound| Reverse(*bound));
+            }
             let mut seeds = Seeds { bounds, judged: BinaryHeap::new() };
             let judge = |seed: &Seed| {
                 let (tilt, _, is_one) = tilts[seed.group as usize];
                 is_one.then_some(tilt)
             };
-            let found: Vec<u32> = std::iter::from_fn(|| seeds.next(judge)).map(|seed| seed.group).collect();
+            let found: Vec<Seed> = std::iter::from_fn(|| seeds.next(judge)).collect();
+            prop_assert!(found.iter().all(|seed| seed.level == seed.group as usize % 3));
+            let found: Vec<u32> = found.iter().map(|seed| seed.group).collect();
             let mut expected: Vec<u32> = (0..).zip(&tilts).filter(|(_, t)| t.2).map(|(group, _)| group).collect();
             expected.sort_by(|a, b| tilts[*a as usize].0.total_cmp(&tilts[*b as usize].0));
             prop_assert_eq!(found, expected);
+        }
+
+        #[test]
+        fn a_bound_is_none_too_large_and_keeps_its_group(tilt in 0.0..2.0_f64, group in any::<u32>()) {
+            let bound = Bound::of(tilt, group);
+            prop_assert!(bound.tilt() <= Tilt::of(tilt));
+            prop_assert!(bound.tilt() >= Tilt::of(tilt * (1.0 - 3e-7) - 1e-44));
+            prop_assert_eq!(bound.group(), group);
         }
     }
 }
