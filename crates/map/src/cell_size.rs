@@ -18,7 +18,7 @@ const SIGMAS: f64 = 6.0;
 const SAMPLES: usize = 256;
 /// Points whose stated errors are looked at: these vary more from place to place than what neighbours show, and a look costs little. So the
 /// same place has cells of the same size, however densely it is scanned.
-const STATED: usize = 1 << 14;
+const STATED: usize = 1 << 12;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
 const NEAR: usize = 8;
 const PATCH: usize = 30;
