@@ -16,7 +16,7 @@ use crate::InsertError;
 use crate::seen::Seen;
 use crate::world::World;
 
-/// Points that are in the same step: they stay in the cache.
+/// Points that are in the same step: they stay in the cache, and are too few for a step to be shared, which then might wait for the other.
 const AT_ONCE: usize = 1 << 12;
 /// Parts between the first step and the last: so far one thread may be ahead of the other.
 const ROOM: usize = 6;
