@@ -7,7 +7,7 @@ use terrace_grid::PointErrors;
 use terrace_types::{Frame, Pose, Scan, Sigma};
 
 /// Points that are handed to a thread at once.
-const AT_ONCE: usize = 1 << 13;
+pub(crate) const AT_ONCE: usize = 1 << 13;
 
 /// Some points of a scan in the world, with their errors there.
 #[derive(Debug, Default)]

@@ -65,11 +65,11 @@ pub(crate) fn pieces<'s>(
     // Which there are is told first: so they are written where they stay.
     let mut parts: Vec<(u32, &Part, &Flat)> = Vec::with_capacity(of_cells.parts.len());
     for (cell, of_cell) in (0..).zip(&of_cells.parts) {
-        let plane = |part| -> Option<(u32, &Part, &Flat)> {
-            let part: &Part = part;
-            Some((cell, part, &candidates[part.region as usize].as_ref()?.plane))
-        };
-        parts.extend(of_cell.as_slice().iter().filter(|part| part.labelled > 0.0).filter_map(plane));
+        for part in of_cell.as_slice().iter().filter(|part| part.labelled > 0.0) {
+            if let Some(candidate) = &candidates[part.region as usize] {
+                parts.push((cell, part, &candidate.plane));
+            }
+        }
     }
     let piece = |(cell, part, plane): &(u32, &Part, &Flat)| {
         let at = *cell as usize;

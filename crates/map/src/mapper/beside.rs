@@ -16,8 +16,10 @@ use crate::InsertError;
 use crate::seen::Seen;
 use crate::world::World;
 
-/// Points that are in the same step: they stay in the cache, and are too few for a step to be shared, which then might wait for the other.
+/// Points that are in the same step: they stay in the cache.
 const AT_ONCE: usize = 1 << 12;
+// Too few for a step to be shared among threads: it might then wait for the other, which is in the line.
+const _: () = assert!(AT_ONCE <= crate::world::AT_ONCE);
 /// Parts between the first step and the last: so far one thread may be ahead of the other.
 const ROOM: usize = 6;
 
@@ -84,16 +86,7 @@ impl Mapper {
             true
         };
         let line = Line::new(scan.len().div_ceil(AT_ONCE), ROOM);
-        let first = rayon::current_thread_index();
-        rayon::join(
-            || line.work([CELLS, WORLD, BEHIND], step),
-            || {
-                // A thread that waits for its own work would wait for ever.
-                if rayon::current_thread_index() != first {
-                    line.work([BEHIND, WORLD, CELLS], step);
-                }
-            },
-        );
+        rayon::join(|| line.work([CELLS, WORLD, BEHIND], step), || line.work([BEHIND, WORLD, CELLS], step));
         let taken = front.into_inner().unwrap_or_else(PoisonError::into_inner).taken;
         if keeps {
             self.kept.push(kept);

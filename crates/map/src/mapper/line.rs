@@ -166,10 +166,13 @@ mod tests {
     fn a_step_that_panics_ends_it_for_the_others() {
         let line = Line::<2>::new(100, 4);
         std::thread::scope(|scope| {
-            let one =
-                scope.spawn(|| line.work([0, 1], |_, part| part < 200 && [true][usize::from(part == 7)]));
-            let other =
-                scope.spawn(|| line.work([1, 0], |_, part| part < 200 && [true][usize::from(part == 7)]));
+            let step = |_, part| {
+                assert_ne!(part, 7, "the panic of this test");
+                true
+            };
+            let line = &line;
+            let one = scope.spawn(move || line.work([0, 1], step));
+            let other = scope.spawn(move || line.work([1, 0], step));
             assert!(one.join().is_err() | other.join().is_err());
         });
     }
