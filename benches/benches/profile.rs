@@ -93,8 +93,10 @@ fn profile(points: usize) -> Outcome<()> {
         done(&mut best)?;
         black_box(grid.halved()?);
         done(&mut best)?;
-        let fine: Vec<Cell> =
-            grid.founded().map(|cell| Cell { key: cell.key(), stats: cell.stats() }).collect();
+        let fine: Vec<Cell> = grid
+            .founded()
+            .map(|cell| Cell { key: cell.key(), is_wide: false, stats: cell.stats() })
+            .collect();
         done(&mut best)?;
         let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
         let found = find(Field::of(&fine, grid.cell_size())?, points as u64, of_cell, &Settings::default())?;

@@ -149,7 +149,10 @@ impl Gridded {
     }
 
     fn fine(&self) -> Vec<Cell> {
-        self.grid.founded().map(|cell| Cell { key: cell.key(), stats: cell.stats() }).collect()
+        self.grid
+            .founded()
+            .map(|cell| Cell { key: cell.key(), is_wide: false, stats: cell.stats() })
+            .collect()
     }
 }
 

@@ -61,7 +61,7 @@ fn regions(c: &mut Criterion) {
         let key = point.map(|x| (x / EDGE).floor() as i32);
         let anchor = key.map(|k| (f64::from(k) + 0.5) * EDGE);
         let cell = *known.entry(key).or_insert_with(|| {
-            cells.push(Cell { key, stats: Stats::new(anchor) });
+            cells.push(Cell { key, is_wide: false, stats: Stats::new(anchor) });
             cells.len() as u32 - 1
         });
         cells[cell as usize].stats.push(&UncertainVector::isotropic(point, SIGMA));

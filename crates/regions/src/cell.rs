@@ -6,12 +6,25 @@ use terrace_stats::{Stats, SymmetricMatrix3};
 use crate::flat::Flat;
 
 /// A cell of points: where it is in the lattice, and the sums of its points with their errors.
+///
+/// Where errors of points are large beside the edge, eight cells tell no more of a surface than one in their place: see
+/// [`is_wide`](Self::is_wide).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// Its place in the lattice of cubic cells.
     pub key: [i32; 3],
+    /// Whether it has twice the edge: it is in the place of all eight cells whose keys differ from its own in the lowest bits only, and
+    /// none of these is there.
+    pub is_wide: bool,
     /// Its points, each with weight 1, and what is known of their errors.
     pub stats: Stats,
+}
+
+impl Cell {
+    /// The key of it, or of the first of those it is in the place of.
+    pub(crate) fn first_key(&self) -> [i32; 3] {
+        if self.is_wide { self.key.map(|k| k & !1) } else { self.key }
+    }
 }
 
 /// A cell with what is asked of it again and again.

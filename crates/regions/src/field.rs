@@ -34,7 +34,7 @@ const AT_ONCE: usize = 1024;
 /// let cells = [0, 1, 5].map(|x| {
 ///     let mut stats = Stats::new([f64::from(x) + 0.5, 0.5, 0.5]);
 ///     (0..3).for_each(|k| stats.push(&UncertainVector::exact([f64::from(x) + 0.3 * f64::from(k), 0.1, 0.2])));
-///     Cell { key: [x, 0, 0], stats }
+///     Cell { key: [x, 0, 0], is_wide: false, stats }
 /// });
 /// let mut field = Field::of(&cells, 1.0)?;
 /// assert_eq!(field.sums_around(|_, sums| sums.count()), [6, 6, 3]);
@@ -49,6 +49,8 @@ pub struct Field {
     /// What places of points of each cell are relative to.
     pub(crate) anchors: Vec<DVec3>,
     pub(crate) keys: Vec<[i32; 3]>,
+    /// Whether each is as large as a group of the next level, and alone in it; empty where none is.
+    wide: Vec<bool>,
     pub(crate) levels: Vec<Level>,
     middles: Vec<[f32; 3]>,
     anchored: Anchored,
@@ -61,10 +63,10 @@ pub struct Field {
 }
 
 impl Field {
-    /// Of cells with an edge in metres, of different keys.
+    /// Of cells with an edge in metres, of different keys; wide ones with twice that edge.
     ///
     /// # Errors
-    /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells of one key,
+    /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells at one place,
     /// and for more cells than are numbered.
     pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
         Self::of_each(cells.len(), |at| cells[at], edge)
@@ -85,13 +87,18 @@ impl Field {
         if u32::try_from(cells).is_err() {
             return Err(RegionsError::TooMany { cells });
         }
-        let (along, order) = along_curve(cells, |at| cell(at).key);
+        let (along, order) = along_curve(cells, |at| cell(at).first_key());
         let ranked = |rank: usize| cell(order[rank] as usize);
+        let mut wide: Vec<bool> = (0..order.len()).map(|rank| ranked(rank).is_wide).collect();
+        if !wide.contains(&true) {
+            wide = Vec::new();
+        }
         let mut anchored = Anchored::cubes(&along, |rank| ranked(rank).stats.anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
-            let Cell { key, stats } = ranked(rank);
+            let cell = ranked(rank);
+            let (key, stats) = (cell.first_key(), cell.stats);
             let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
@@ -104,23 +111,29 @@ impl Field {
         };
         let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
         let (levels, ((sums, about), (anchors, places))) =
-            rayon::join(|| Level::all(&along, LEVELS), of_cells);
+            rayon::join(|| Level::all(&along, &wide, LEVELS), of_cells);
         let (middles, keys): (_, Vec<[i32; 3]>) = places;
         if strange.into_inner() {
             let strange = (0..cells).find(|at| Sums::of(&cell(*at).stats).is_none());
             return Err(RegionsError::Cell { cell: strange.unwrap_or(0) });
         }
-        let twice = keys.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        let is_wide = |rank: usize| wide.get(rank) == Some(&true);
+        let is_twice = |(rank, pair): &(usize, &[[i32; 3]])| {
+            let same = pair[0] == pair[1];
+            same || (is_wide(*rank) || is_wide(rank + 1))
+                && pair[0].map(|k| k >> 1) == pair[1].map(|k| k >> 1)
+        };
+        let twice = keys.windows(2).enumerate().filter(is_twice).count();
         if twice > 0 {
             return Err(RegionsError::SameKey { cells, places: cells - twice });
         }
         anchored.sums = about;
         let (bounded, turned) = (Vec::new(), Vec::new());
-        Ok(Self { order, cells: sums, anchors, keys, levels, middles, anchored, bounded, turned, edge })
+        Ok(Self { order, cells: sums, anchors, keys, wide, levels, middles, anchored, bounded, turned, edge })
     }
 
-    /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the up to
-    /// 26 cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
+    /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
+    /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
     pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
         let Some(level) = self.levels.first() else { return Vec::new() };
         let of_cell = |cell: usize, sum: Sum| {
@@ -174,6 +187,25 @@ impl Field {
     /// The edge of a group of the level that suits noise and spacing, in metres.
     pub(crate) fn coarse_edge(&self) -> f64 {
         self.edge * f64::from(1_u32 << COARSE)
+    }
+
+    /// Whether a cell has twice the edge.
+    pub(crate) fn is_wide(&self, cell: usize) -> bool {
+        self.wide.get(cell) == Some(&true)
+    }
+
+    /// The edge of the cell that a point of some cells is in, in the mean, in metres.
+    pub(crate) fn mean_edge(&self, cells: &[u32]) -> f64 {
+        if self.wide.is_empty() {
+            return self.edge;
+        }
+        let (mut all, mut in_wide) = (0.0, 0.0);
+        for cell in cells.iter().map(|cell| *cell as usize) {
+            let points = self.cells[cell].points;
+            all += points;
+            in_wide += if self.is_wide(cell) { points } else { 0.0 };
+        }
+        self.edge * (1.0 + in_wide / all)
     }
 
     /// Errors of points in units of a squared edge.

@@ -4,6 +4,8 @@ use foldhash::fast::FixedState;
 use hashbrown::HashMap;
 use rayon::prelude::*;
 
+use crate::places::Places;
+
 /// Groups whose neighbours are looked up in one go.
 const AT_ONCE: usize = 256;
 
@@ -23,8 +25,9 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    /// All resolutions, the finest first, of cells that are sorted and of different keys.
-    pub(crate) fn all(keys: &[[u32; 3]], levels: u32) -> Vec<Self> {
+    /// All resolutions, the finest first, of cells that are sorted and of different keys. `wide` tells which are as large as a group of the
+    /// next level, and alone in it; it may be empty.
+    pub(crate) fn all(keys: &[[u32; 3]], wide: &[bool], levels: u32) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         let mut children: Vec<Vec<u32>> = Vec::new();
         for _ in 0..levels {
@@ -49,7 +52,7 @@ impl Level {
         for level in (0..all.len().saturating_sub(1)).rev() {
             let (below, above) = all.split_at_mut(level + 1);
             if let (Some(own), Some(parents)) = (below.last_mut(), above.first()) {
-                own.look_among_children(parents, &children[level + 1]);
+                own.look_among_children(parents, &children[level + 1], if level == 0 { wide } else { &[] });
             }
         }
         all
@@ -72,39 +75,21 @@ impl Level {
 
     /// Finds the groups that touch among the children of the parents that do: those around the children of one parent fill at most
     /// 4 × 4 × 4 places.
-    fn look_among_children(&mut self, parents: &Self, children: &[u32]) {
-        const NONE: u32 = u32::MAX;
+    fn look_among_children(&mut self, parents: &Self, children: &[u32], wide: &[bool]) {
         let keys = &self.keys;
         let child = |parent: usize| children[parent]..children[parent + 1];
-        let mut beside = [0; 26];
-        for (place, [dx, dy, dz]) in beside.iter_mut().zip(steps()) {
-            *place = 16 * dx + 4 * dy + dz;
-        }
+        let is_wide = |group: u32| wide.get(group as usize) == Some(&true);
         let of_some = |first: usize| {
             let (mut near, mut ends) = (Vec::new(), Vec::new());
             for parent in first..(first + AT_ONCE).min(parents.len()) {
-                // Where the places begin: one before the children.
-                let from = parents.keys[parent].map(|k| (k << 1).wrapping_sub(1));
-                // The last for what is none of them.
-                let mut places = [NONE; 65];
+                let mut places = Places::around(parents.keys[parent]);
                 for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
                     for group in child(other as usize) {
-                        let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
-                        let place = if x | y | z < 4 { 16 * x + 4 * y + z } else { 64 };
-                        places[place as usize] = group;
+                        places.put(group, keys[group as usize], is_wide(group));
                     }
                 }
                 for group in child(parent) {
-                    let [x, y, z] = [0, 1, 2].map(|i| keys[group as usize][i].wrapping_sub(from[i]));
-                    let at = 16 * x + 4 * y + z;
-                    // Which are there cannot be predicted: all are written, and those that are not written over.
-                    let (mut found, mut count) = ([NONE; 27], 0);
-                    for step in beside {
-                        let group = places[at.wrapping_add_signed(step) as usize & 63];
-                        found[count] = group;
-                        count += usize::from(group != NONE);
-                    }
-                    near.extend_from_slice(&found[..count]);
+                    places.touching(group, keys[group as usize], is_wide, &mut near);
                     ends.push(near.len());
                 }
             }
@@ -222,7 +207,7 @@ mod tests {
 
     fn levels(keys: &[[i32; 3]]) -> (Vec<Level>, Vec<u32>) {
         let (sorted, order) = along_curve(keys.len(), |at| keys[at]);
-        (Level::all(&sorted, 4), order)
+        (Level::all(&sorted, &[], 4), order)
     }
 
     #[test]
@@ -247,6 +232,35 @@ mod tests {
     }
 
     proptest! {
+        /// Those of a group that is one wide cell are none of their own.
+        #[test]
+        fn cells_that_touch_are_those_of_brute_force_where_some_are_wide(
+            keys in btree_set(prop::array::uniform3(-5..5_i32), 0..60),
+            wide in btree_set(prop::array::uniform3(-3..3_i32), 0..12),
+        ) {
+            let mut cells: Vec<([i32; 3], bool)> = wide.iter().map(|key| (key.map(|k| 2 * k), true)).collect();
+            let alone = |key: &[i32; 3]| !wide.contains(&key.map(|k| k >> 1));
+            cells.extend(keys.iter().filter(|key| alone(key)).map(|key| (*key, false)));
+            let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
+            let along: Vec<([i32; 3], bool)> = order.iter().map(|at| cells[*at as usize]).collect();
+            let is_wide: Vec<bool> = along.iter().map(|(_, wide)| *wide).collect();
+            let levels = Level::all(&sorted, &is_wide, 4);
+            for (cell, (key, wide)) in (0..).zip(&along) {
+                let ends = |key: i32, wide: bool| [key, key + 1 + i32::from(wide)];
+                let touches = |other: &([i32; 3], bool)| {
+                    (0..3).all(|i| {
+                        let ([a, b], [c, d]) = (ends(key[i], *wide), ends(other.0[i], other.1));
+                        a <= d && c <= b
+                    })
+                };
+                let others = (0..).zip(&along).filter(|(at, other)| *at != cell && touches(other));
+                let expected: Vec<u32> = others.map(|(at, _)| at).collect();
+                let mut near = levels[0].near(cell as usize).to_vec();
+                near.sort_unstable();
+                prop_assert_eq!(near, expected);
+            }
+        }
+
         #[test]
         fn groups_are_those_of_brute_force(
             keys in btree_set(prop::array::uniform3(-9..9_i32), 0..60),

@@ -27,7 +27,7 @@
 //!         cell_of.push(u32::try_from(cell).ok());
 //!         places.push(place);
 //!     }
-//!     cells.push(Cell { key, stats });
+//!     cells.push(Cell { key, is_wide: false, stats });
 //! }
 //!
 //! let found = segment(&cells, edge, Points { cells: &cell_of, places: &places }, &Settings::default())?;
@@ -85,6 +85,7 @@ mod mixture;
 mod near;
 mod of_cells;
 mod parts;
+mod places;
 mod samples;
 #[cfg(test)]
 mod scene;

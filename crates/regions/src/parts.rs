@@ -253,7 +253,7 @@ mod tests {
             let cells: Vec<([i32; 3], u32)> = cells.into_iter().collect();
             let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
             let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = order.iter().map(|at| cells[*at as usize]).unzip();
-            let coarse = Level::all(&sorted, level + 1).pop().unwrap();
+            let coarse = Level::all(&sorted, &[], level + 1).pop().unwrap();
             let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
             let held: Vec<f64> = (0..coarse.len())
                 .map(|group| coarse.cells(group).map(|cell| f64::from(points[cell as usize])).sum())
@@ -281,7 +281,7 @@ mod tests {
         // A row of nine cells, of which the fifth is half of something else, and a tenth apart.
         let keys: Vec<[u32; 3]> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12].map(|x| [x, 0, 0]).to_vec();
         let (keys, _) = along_curve(keys.len(), |at| keys[at].map(u32::cast_signed));
-        let level = Level::all(&keys, 1).pop().unwrap();
+        let level = Level::all(&keys, &[], 1).pop().unwrap();
         let pieces: Vec<Piece> = (0..10).map(|cell| piece(cell, 10)).collect();
         let parts_of = |held: [f64; 10]| {
             let parts = Groups::of(&level, &held, pieces.iter()).parts(&level, &mut [None; 10]);

@@ -94,6 +94,17 @@ impl Samples {
         self.stripes[stripe].of(at)
     }
 
+    /// The sample of the points of several cells together, whose places are from one anchor.
+    pub fn of_several(&self, cells: &[u32]) -> Vec<[f32; 3]> {
+        let mut together = Kept::NONE;
+        for cell in cells {
+            let (stripe, at) = home(*cell);
+            let Some(own) = self.stripes[stripe].get(at) else { continue };
+            together.merge(self.of(*cell), own.halvings);
+        }
+        together.places.get(..usize::from(together.count)).unwrap_or(&[]).to_vec()
+    }
+
     /// How often the sample of a cell was halved: it has those of its points whose scrambled places are below 2³²⁻ʰ.
     pub fn halvings(&self, cell: u32) -> u8 {
         let (stripe, at) = home(cell);
@@ -132,15 +143,8 @@ impl Samples {
     pub fn merge(&mut self, cell: u32, other: &Self, of: u32) {
         let (from, there) = home(of);
         let Some(theirs) = other.stripes[from].get(there) else { return };
-        for place in other.of(of) {
-            self.push(cell, *place);
-        }
-        // What the others left out is left out of the whole.
         let (stripe, at) = home(cell);
-        let kept = self.stripes[stripe].get_or_new(at);
-        while kept.halvings < theirs.halvings {
-            kept.halve();
-        }
+        self.stripes[stripe].get_or_new(at).merge(other.of(of), theirs.halvings);
     }
 }
 
@@ -222,6 +226,17 @@ impl Kept {
         self.count = count + u8::from(scrambled <= self.threshold);
         if usize::from(self.count) > MOST {
             self.make_room();
+        }
+    }
+
+    /// Adds a sample of other points that was halved so often.
+    fn merge(&mut self, places: &[[f32; 3]], halvings: u8) {
+        for place in places {
+            self.push(*place, scrambled(*place));
+        }
+        // What the others left out is left out of the whole.
+        while self.halvings < halvings {
+            self.halve();
         }
     }
 
@@ -355,6 +370,11 @@ mod tests {
             let mut merged = all(one);
             merged.merge(0, &all(other), 0);
             prop_assert_eq!(sorted(&merged, 0), sorted(&whole, 0));
+            let mut apart = Samples::default();
+            places.iter().enumerate().for_each(|(at, place)| apart.push(if at < cut { 3 } else { 8 }, *place));
+            let mut several: Vec<[u32; 3]> = apart.of_several(&[8, 5, 3]).iter().map(|p| p.map(f32::to_bits)).collect();
+            several.sort_unstable();
+            prop_assert_eq!(several, sorted(&whole, 0));
             for threads in 1..4 {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut together = Samples::default();

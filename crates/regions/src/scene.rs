@@ -31,7 +31,8 @@ pub(crate) fn field(points: &[[f64; 3]]) -> Field {
         let stats = cells.entry(key).or_insert_with(|| Stats::new(anchor));
         stats.push(&UncertainVector::isotropic(*point, SIGMA));
     }
-    let cells: Vec<Cell> = cells.into_iter().map(|(key, stats)| Cell { key, stats }).collect();
+    let cells: Vec<Cell> =
+        cells.into_iter().map(|(key, stats)| Cell { key, is_wide: false, stats }).collect();
     let mut field = Field::of(&cells, EDGE).unwrap();
     field.begin_growth();
     field

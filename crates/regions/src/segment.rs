@@ -26,8 +26,8 @@ const TRUSTED: f64 = 1.05;
 const SPREAD: f64 = 3.0;
 /// Errors are taken for larger than stated by this at most, as a variance.
 const MOST_SCALE: f64 = 10.0;
-/// A plane is as wide as so many of the coarser cells.
-const NARROWEST: f64 = 1.5;
+/// A plane is as wide as so many of its cells: those in the edge of two surfaces make a strip that is along neither.
+const NARROWEST: f64 = 3.0;
 /// Without a setting: the share of all points, their least number and that which is always enough; the share of the area of all
 /// planes, and the number of coarser cells that is always enough.
 const SHARE_OF_POINTS: f64 = 0.004;
@@ -190,12 +190,12 @@ impl Grown {
     /// Finds the planes by samples of points, as [`find`] does.
     pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync) -> Found {
         let Self { mut field, regions: mut grown, noise, settings } = self;
-        let narrowest = NARROWEST * field.coarse_edge();
         grown.retain(|region| {
             let [_, across, _] = region.fitted.fit.variances;
             // A strip of the width w scatters by w² / 12.
             !settings.takes(Step::Certain)
-                || region.fitted.tilt <= settings.tilt && (12.0 * across).sqrt() >= narrowest
+                || region.fitted.tilt <= settings.tilt
+                    && (12.0 * across).sqrt() >= NARROWEST * field.mean_edge(&region.cells)
         });
         let fewest = (SHARE_OF_POINTS * points as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
         let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);

@@ -26,6 +26,18 @@ pub(crate) struct Looks {
     pub(crate) area: f64,
 }
 
+/// How many columns of single cells are covered; a wide one covers four, from its own on.
+fn covered(columns: impl Iterator<Item = ([i32; 2], bool)>) -> usize {
+    let of_each = |([a, b], is_wide): ([i32; 2], bool)| {
+        let all = [[a, b], [a + 1, b], [a, b + 1], [a + 1, b + 1]];
+        all.into_iter().take(if is_wide { 4 } else { 1 })
+    };
+    let mut covered: Vec<[i32; 2]> = columns.flat_map(of_each).collect();
+    covered.sort_unstable();
+    covered.dedup();
+    covered.len()
+}
+
 impl Looks {
     pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let normal = fitted.plane.normal;
@@ -52,7 +64,12 @@ impl Looks {
             }
             columns.push(column);
         }
-        let area = columns.len() as f64 * field.edge * field.edge / normal[axis].abs();
+        let covered = if pieces.iter().any(|piece| field.is_wide(piece.cell as usize)) {
+            covered(pieces.iter().map(|piece| (column_of(piece), field.is_wide(piece.cell as usize))))
+        } else {
+            columns.len()
+        };
+        let area = covered as f64 * field.edge * field.edge / normal[axis].abs();
         let [u, v] = fitted.fit.axes.map(DVec3::from);
         let column = |sum: &Sum| {
             let mean = sum.place / sum.points;

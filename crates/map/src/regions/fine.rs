@@ -1,24 +1,43 @@
 //! The fine cells, as regions take them.
 
+use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Cell, Field, Found, RegionsError};
-use terrace_stats::{Stats, SymmetricMatrix3};
+use terrace_regions::{Cell, Field, Found, RegionsError, Samples};
+use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
 use super::MOSTLY;
 use crate::estimate::Errors;
 use crate::mapper::Coarse;
 
-/// The cells of half the cell size.
+/// Cells stay whole where the standard error of a point, along an axis in the mean, is more than this share of half their edge: parts
+/// of such a cell all have points of the same places, and tell together what it tells alone.
+const BLURRED: f64 = 0.4;
+/// Cells whose samples are put together by a thread at once.
+const AT_ONCE: usize = 256;
+
+/// The cells of half the cell size, and whole ones in the place of those where errors are large.
 pub(crate) struct Fine<'m> {
     grid: &'m VoxelGrid,
     coarse: &'m Coarse,
-    cells: Vec<CellId>,
-    /// The larger cell that each is a part of.
+    samples: &'m Samples,
+    cells: Vec<Source>,
+    /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
+    /// Samples of the points of whole cells.
+    of_whole: Vec<Vec<[f32; 3]>>,
     pub(crate) places: Places,
     /// Points of all cells.
     pub(crate) points: u64,
+}
+
+/// Where the sums and the sample of a cell are.
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    /// A cell of the grid.
+    Half(CellId),
+    /// A whole cell, by its place among those.
+    Whole(u32),
 }
 
 /// By cell of the grid, its place among the cells; empty where that is the same for all.
@@ -35,22 +54,43 @@ impl Places {
 
 impl<'m> Fine<'m> {
     /// Sums that overflow are no cell of a region: their points are of no plane.
-    pub(crate) fn of(grid: &'m VoxelGrid, coarse: &'m Coarse) -> Self {
+    pub(crate) fn of(grid: &'m VoxelGrid, coarse: &'m Coarse, samples: &'m Samples) -> Self {
         let mut fine = Self {
             grid,
             coarse,
+            samples,
             cells: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
+            of_whole: Vec::new(),
             places: Places::default(),
             points: 0,
         };
+        let is_whole: Vec<bool> =
+            coarse.grid.founded().map(|cell| is_blurred(cell.moments(), grid.cell_size())).collect();
+        let mut wholes: Vec<Option<u32>> = vec![None; coarse.grid.len()];
+        // The parts of whole cells.
+        let mut parts: Vec<(u32, u32)> = Vec::new();
+        let mut whole_places: Vec<Option<u32>> = Vec::new();
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
-        for (cell, of) in grid.founded().zip(&coarse.of) {
-            let (moments, place) = (cell.moments(), u32::try_from(fine.cells.len()).ok());
-            let usable = moments.noise().is_finite() && moments.second().is_finite();
+        for ((number, cell), of) in (0..).zip(grid.founded()).zip(&coarse.of) {
+            let place = u32::try_from(fine.cells.len()).ok();
+            if is_whole[of.index()] {
+                let whole = *wholes[of.index()].get_or_insert_with(|| {
+                    let whole = u32::try_from(whole_places.len()).unwrap_or(u32::MAX);
+                    whole_places.push(place);
+                    fine.cells.push(Source::Whole(whole));
+                    fine.of.push(*of);
+                    whole
+                });
+                parts.push((whole, number));
+                places.push(whole_places.get(whole as usize).copied().flatten());
+                fine.points += cell.density();
+                continue;
+            }
+            let usable = is_usable(cell.moments());
             places.push(place.filter(|_| usable));
             if usable {
-                fine.cells.push(cell.id());
+                fine.cells.push(Source::Half(cell.id()));
                 fine.of.push(*of);
                 fine.points += cell.density();
             }
@@ -58,34 +98,53 @@ impl<'m> Fine<'m> {
         if fine.cells.len() < places.len() {
             fine.places = Places(places);
         }
+        parts.par_sort_unstable();
+        let together: Vec<&[(u32, u32)]> = parts.chunk_by(|a, b| a.0 == b.0).collect();
+        let sample = |parts: &&[(u32, u32)]| {
+            let cells: Vec<u32> = parts.iter().map(|(_, cell)| *cell).collect();
+            samples.of_several(&cells)
+        };
+        fine.of_whole = together.par_iter().with_min_len(AT_ONCE).map(sample).collect();
         fine
     }
 
     /// The cells laid out for regions to grow over.
     pub(crate) fn field(&self) -> Result<Field, RegionsError> {
         let cell = |at: usize| {
-            let cell = self.cells.get(at).and_then(|id| self.grid.get(*id));
-            // All are cells of the grid.
-            cell.map_or(Cell { key: [0; 3], stats: Stats::new([0.0; 3]) }, |cell| Cell {
-                key: cell.key(),
-                stats: cell.stats(),
-            })
+            // All are cells of the grids.
+            self.cell(at).unwrap_or(Cell { key: [0; 3], is_wide: false, stats: Stats::new([0.0; 3]) })
         };
         Field::of_each(self.cells.len(), cell, self.grid.cell_size())
     }
 
-    /// The number of the cell of the grid at a place.
-    pub(crate) fn number(&self, place: usize) -> Option<u32> {
-        u32::try_from(self.cells.get(place)?.index()).ok()
+    fn cell(&self, at: usize) -> Option<Cell> {
+        Some(match self.cells.get(at)? {
+            Source::Half(id) => {
+                let cell = self.grid.get(*id)?;
+                Cell { key: cell.key(), is_wide: false, stats: cell.stats() }
+            }
+            Source::Whole(_) => {
+                let cell = self.coarse.grid.get(*self.of.get(at)?)?;
+                Cell { key: cell.key().map(|k| k << 1), is_wide: true, stats: cell.stats() }
+            }
+        })
+    }
+
+    /// The sample of the points of the cell at a place.
+    pub(crate) fn sample(&self, place: usize) -> &[[f32; 3]] {
+        match self.cells.get(place) {
+            Some(Source::Half(id)) => u32::try_from(id.index()).map_or(&[], |cell| self.samples.of(cell)),
+            Some(Source::Whole(whole)) => self.of_whole.get(*whole as usize).map_or(&[], Vec::as_slice),
+            None => &[],
+        }
     }
 
     /// Gives the cells the errors that flat places show, which are then in `errors`.
     pub(crate) fn find_errors(&self, field: &mut Field, errors: &mut Errors) -> Result<(), RegionsError> {
         errors.find_level(field, &self.of);
         field.set_noise(|at| {
-            let stats = self.grid.get(self.cells[at]).map(|cell| cell.stats());
-            stats.map_or(SymmetricMatrix3::ZERO, |stats| {
-                errors.of_place(&stats, self.of[at]) * stats.count() as f64
+            self.cell(at).map_or(SymmetricMatrix3::ZERO, |cell| {
+                errors.of_place(&cell.stats, self.of[at]) * cell.stats.count() as f64
             })
         })
     }
@@ -112,5 +171,78 @@ impl<'m> Fine<'m> {
             }
         }
         owner
+    }
+}
+
+/// Whether the sums of a cell are finite.
+fn is_usable(moments: &Moments) -> bool {
+    moments.noise().is_finite() && moments.second().is_finite()
+}
+
+/// Whether errors as stated blur a cell that is made of those with an edge in metres.
+fn is_blurred(moments: &Moments, edge: f64) -> bool {
+    let variance = moments.noise().trace() / (3.0 * moments.count() as f64);
+    is_usable(moments) && variance > (BLURRED * edge).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+
+    use super::*;
+    use crate::{Mapper, Params, Scan};
+    use terrace_types::{Frame, Sigma};
+
+    const CELL: f64 = 0.1;
+
+    /// A floor of 2 m by 1 m, whose points have errors of 5 mm up to the middle and of `sigma` beyond it.
+    fn mapper(sigma: f64) -> Mapper {
+        let place = |k: u32| [0.01 * f64::from(k % 200) + 0.002, 0.01 * f64::from(k / 200) + 0.003, 0.02];
+        let points: Vec<[f64; 3]> = (0..200 * 100).map(place).collect();
+        let errors = points.iter().map(|[x, ..]| if *x < 1.0 { 0.005 } else { sigma }).collect();
+        let frame = Frame::World { sensor: None };
+        let scan = Scan::new(points, Sigma::PerPoint(errors), frame).unwrap();
+        let mut mapper = Mapper::new(Params { cell_size: Some(CELL), ..Params::default() }).unwrap();
+        mapper.insert(&scan).unwrap();
+        mapper
+    }
+
+    fn fine(mapper: &Mapper) -> Fine<'_> {
+        Fine::of(mapper.fine().unwrap(), mapper.coarse().unwrap(), mapper.samples())
+    }
+
+    #[test]
+    fn cells_stay_whole_where_errors_blur_them() {
+        let sharp = mapper(0.0199);
+        assert_eq!((sharp.fine().unwrap().len(), fine(&sharp).cells.len()), (800, 800));
+        assert!(fine(&sharp).places.0.is_empty());
+        let blurred = mapper(0.0201);
+        let fine = fine(&blurred);
+        let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| fine.cell(*at).unwrap().is_wide).collect();
+        assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
+        for at in 0..fine.cells.len() {
+            let cell = fine.cell(at).unwrap();
+            let (points, sample) = (cell.stats.count(), fine.sample(at));
+            assert_eq!((points, cell.is_wide), if wide.contains(&at) { (100, true) } else { (25, false) });
+            assert!((1..=16).contains(&sample.len()));
+            for place in sample {
+                let inside = |i: usize| f64::from(place[i]).abs() <= 0.5 * CELL;
+                assert!((0..3).all(inside));
+            }
+        }
+        // Each cell of the grid has a place, and eight of them, of which four have points, one together.
+        let mut shared = vec![0; fine.cells.len()];
+        for cell in blurred.fine().unwrap().founded() {
+            shared[fine.places.of(cell.id()).unwrap() as usize] += 1;
+        }
+        assert!(shared.iter().enumerate().all(|(at, n)| *n == if wide.contains(&at) { 4 } else { 1 }));
+    }
+
+    #[test]
+    fn a_plane_goes_on_into_whole_cells() {
+        for sigma in [0.0199, 0.0201, 0.1] {
+            let map = mapper(sigma).extract().unwrap();
+            assert_eq!((map.planes.len(), map.summary().labelled), (1, 20_000), "{sigma}");
+        }
     }
 }

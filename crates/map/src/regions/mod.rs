@@ -101,7 +101,7 @@ impl<'m> Grown<'m> {
         begins(Stage::Normals { cells: grid.len() });
         let (mut nodes, fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
-            || Fine::of(cells, coarse),
+            || Fine::of(cells, coarse, mapper.samples()),
         );
 
         begins(Stage::Grow { cells: grid.len() });
@@ -115,8 +115,7 @@ impl<'m> Grown<'m> {
         }
         // Regions grow one after the other: what does not need them has the other threads.
         let (grown, ()) = Surfaces::beside(field, &settings_of_find, || nodes.find_normals(mapper.params()))?;
-        let found = grown
-            .find(fine.points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
+        let found = grown.find(fine.points, |place| fine.sample(place));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,

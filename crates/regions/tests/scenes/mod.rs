@@ -60,14 +60,27 @@ pub struct Sorted {
 impl Sorted {
     /// Cells are in the order of their first points.
     pub fn of(points: &[[f64; 3]], edge: f64, sigma: f64) -> Self {
+        Self::of_some_wide(points, edge, sigma, |_| false)
+    }
+
+    /// With a wide cell in the place of eight where `is_wide` says so of half of their keys.
+    pub fn of_some_wide(
+        points: &[[f64; 3]],
+        edge: f64,
+        sigma: f64,
+        is_wide: impl Fn([i32; 3]) -> bool,
+    ) -> Self {
         let mut sorted = Self { edge, cells: Vec::new(), cell_of: Vec::new(), places: Vec::new() };
         let mut known: HashMap<[i32; 3], u32> = HashMap::new();
         for point in points {
             #[allow(clippy::cast_possible_truncation, reason = "scenes are small")]
             let key = point.map(|x| (x / edge).floor() as i32);
-            let anchor = key.map(|k| (f64::from(k) + 0.5) * edge);
+            let is_wide = is_wide(key.map(|k| k >> 1));
+            // Any of the eight keys will do.
+            let key = if is_wide { key.map(|k| k | 1) } else { key };
+            let anchor = key.map(|k| (f64::from(k) + if is_wide { 0.0 } else { 0.5 }) * edge);
             let number = *known.entry(key).or_insert_with(|| {
-                sorted.cells.push(Cell { key, stats: Stats::new(anchor) });
+                sorted.cells.push(Cell { key, is_wide, stats: Stats::new(anchor) });
                 u32::try_from(sorted.cells.len() - 1).unwrap()
             });
             sorted.cells[number as usize].stats.push(&UncertainVector::isotropic(*point, sigma));
