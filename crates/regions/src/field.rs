@@ -87,12 +87,13 @@ impl Field {
         if u32::try_from(cells).is_err() {
             return Err(RegionsError::TooMany { cells });
         }
-        let (along, order) = along_curve(cells, |at| cell(at).first_key());
+        let heads = (0..cells).into_par_iter().with_min_len(AT_ONCE).map(&cell);
+        let heads: Vec<([i32; 3], bool)> = heads.map(|cell| (cell.first_key(), cell.is_wide)).collect();
+        let (along, order) = along_curve(cells, |at| heads[at].0);
         let ranked = |rank: usize| cell(order[rank] as usize);
-        let mut wide: Vec<bool> = (0..order.len()).map(|rank| ranked(rank).is_wide).collect();
-        if !wide.contains(&true) {
-            wide = Vec::new();
-        }
+        let some_wide = heads.iter().any(|(_, is_wide)| *is_wide);
+        let wide: Vec<bool> =
+            order.iter().take_while(|_| some_wide).map(|given| heads[*given as usize].1).collect();
         let mut anchored = Anchored::cubes(&along, |rank| ranked(rank).stats.anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.

@@ -117,6 +117,7 @@ impl<'m> Fine<'m> {
         Field::of_each(self.cells.len(), cell, self.grid.cell_size())
     }
 
+    #[inline]
     fn cell(&self, at: usize) -> Option<Cell> {
         Some(match self.cells.get(at)? {
             Source::Half(id) => {
