@@ -9,7 +9,8 @@ use crate::flat::Flat;
 use crate::grow::Region;
 use crate::near::{Near, Nearby, Several, Within};
 use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
-use crate::{Settings, Step};
+use crate::samples::{Packed, Sample};
+use crate::{Samples, Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
 const ROUNDS: usize = 4;
@@ -37,24 +38,27 @@ struct Before<'a> {
 
 /// Memory that a thread works with.
 #[derive(Default)]
-struct Work {
+struct Work<'s> {
     /// The cells that are looked at.
     todo: Vec<usize>,
     shares: Vec<(u32, f64)>,
     ends: Vec<End>,
     parts: Vec<Part>,
     scores: Vec<f32>,
-    /// Samples of the cells that are looked at, one after the other, and where each begins.
+    samples: Vec<Sample<'s>>,
+    packed: Vec<Packed>,
+    /// The places of these, one after the other, and where each begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
 }
 
 /// What stays the same over the rounds.
-pub(crate) struct Mixture<'a, S> {
+pub(crate) struct Mixture<'a, N> {
     pub(crate) field: &'a Field,
     pub(crate) noise: Noise,
-    /// Some points of each cell.
-    pub(crate) samples: S,
+    /// Some points of each cell, and the number that it has there.
+    pub(crate) samples: &'a Samples,
+    pub(crate) number: N,
     pub(crate) settings: &'a Settings,
     pub(crate) fewest: f64,
 }
@@ -67,7 +71,7 @@ impl Candidate {
     }
 }
 
-impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
+impl<'s, N: Fn(usize) -> Option<u32> + Sync> Mixture<'s, N> {
     /// Finds how many points of each cell are of which region near it, and the regions that are left.
     ///
     /// # Algorithm
@@ -149,18 +153,11 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         ends: &Ends,
     ) -> Vec<Vec<(Parts, bool)>> {
         let cells = again.par_chunks(AT_ONCE).zip(nearby.par_chunks_mut(AT_ONCE)).enumerate();
-        let of_some = |work: &mut Work, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
+        let of_some = |work: &mut Work<'s>, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
             let first = number * AT_ONCE;
             work.todo.clear();
             work.todo.extend((0..again.len()).filter(|at| again[*at]));
-            // At once: so the memory of one is not waited for before that of the next is asked for.
-            work.places.clear();
-            work.starts.clear();
-            for at in &work.todo {
-                work.starts.push(work.places.len());
-                work.places.extend_from_slice(self.places(first + at));
-            }
-            work.starts.push(work.places.len());
+            work.unpack(self, first);
             let all = 0..work.todo.len();
             let look = |number: usize| {
                 let at = work.todo[number];
@@ -211,7 +208,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         before: Before<'_>,
         candidates: &[Option<Candidate>],
         ends: &Ends,
-        work: &mut Work,
+        work: &mut Work<'s>,
     ) -> Nearby {
         let Work { shares, ends: here_ends, .. } = work;
         shares.clear();
@@ -292,7 +289,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     }
 
     /// What the points of a cell are of, with these regions near it, and whether some may be of two: one of those whose samples are in `work`.
-    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work) -> (Parts, bool) {
+    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work<'s>) -> (Parts, bool) {
         let points = self.field.cells[cell].points;
         let Work { places, starts, parts, scores, .. } = work;
         let places = &places[starts[at]..starts[at + 1]];
@@ -310,14 +307,40 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         }
     }
 
+    fn sample(&self, cell: usize) -> Sample<'s> {
+        (self.number)(cell).map_or(Sample::EMPTY, |number| self.samples.packed(number))
+    }
+
     /// Some points of a cell, at least one: a cell has points.
-    pub(crate) fn places<'t>(&'t self, cell: usize) -> &'t [[f32; 3]]
-    where
-        's: 't,
-    {
-        match (self.samples)(cell) {
-            [] => self.field.middle(cell),
-            places => places,
+    pub(crate) fn places(&self, cell: usize) -> impl Iterator<Item = [f32; 3]> {
+        let sample = (self.number)(cell).map(|number| self.samples.of(number));
+        let middle = if self.sample(cell).is_empty() { self.field.middle(cell) } else { &[] };
+        middle.iter().copied().chain(sample.into_iter().flatten())
+    }
+}
+
+impl<'s> Work<'s> {
+    /// Finds the places of samples of the cells that are looked at, the first of all being of this number. Step by step: so the memory of
+    /// one is not waited for before that of the next is asked for.
+    fn unpack<N: Fn(usize) -> Option<u32> + Sync>(&mut self, mixture: &Mixture<'s, N>, first: usize) {
+        self.samples.clear();
+        self.samples.extend(self.todo.iter().map(|at| mixture.sample(first + at)));
+        self.packed.clear();
+        self.starts.clear();
+        for sample in &self.samples {
+            self.starts.push(self.packed.len());
+            sample.append(&mut self.packed);
+            if sample.is_empty() {
+                self.packed.push([0; 3]);
+            }
+        }
+        self.starts.push(self.packed.len());
+        mixture.samples.unpack(&self.packed, &mut self.places);
+        // A cell has points.
+        for ((at, start), sample) in self.todo.iter().zip(&self.starts).zip(&self.samples) {
+            if let (true, [middle]) = (sample.is_empty(), mixture.field.middle(first + at)) {
+                self.places[*start] = *middle;
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::labels::{Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Looks;
-use crate::{Cell, RegionsError, Settings, Step};
+use crate::{Cell, RegionsError, Samples, Settings, Step};
 
 /// Points are taken to be known no better than to this share of a coarser cell: what is smaller is not looked at as a shape.
 const FLOOR: f64 = 0.05;
@@ -130,26 +130,30 @@ pub fn segment(
     settings.validate()?;
     let field = Field::of(cells, edge)?;
     let samples = samples_of(points);
-    let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let known = points.cells.iter().flatten().count();
-    Ok(by_points(find(field, known as u64, of_cell, settings)?, points))
+    Ok(by_points(find(field, known as u64, (&samples, itself), settings)?, points))
 }
 
 /// Finds the planes of a scene without its points: from the [sums of cells](Field), and a sample of the points of each. Points are
 /// labelled afterwards, with [`Found::labeller`].
 ///
-/// `points` is the number of all points, `samples` gives some places of a cell's points from the anchor of its sums, in metres: see
-/// [`Samples`](crate::Samples).
+/// `points` is the number of all points, `samples` are some points of each cell, and the number that a cell has there, by its place among
+/// the cells: [`itself`] where that is the same.
 ///
 /// # Errors
 /// [`RegionsError::Setting`] for a setting out of its range.
-pub fn find<'s>(
+pub fn find(
     field: Field,
     points: u64,
-    samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
+    samples: (&Samples, impl Fn(usize) -> Option<u32> + Sync),
     settings: &Settings,
 ) -> Result<Found, RegionsError> {
     Ok(Grown::of(field, settings)?.find(points, samples))
+}
+
+/// The number of a cell in [`Samples`], by its place among the cells: the same.
+pub fn itself(cell: usize) -> Option<u32> {
+    u32::try_from(cell).ok()
 }
 
 /// Regions as they were grown, before samples of points are looked at. [`find`] is both steps: the first grows regions one after the
@@ -188,7 +192,7 @@ impl Grown {
     }
 
     /// Finds the planes by samples of points, as [`find`] does.
-    pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync) -> Found {
+    pub fn find(self, points: u64, samples: (&Samples, impl Fn(usize) -> Option<u32> + Sync)) -> Found {
         let Self { mut field, regions: mut grown, noise, settings } = self;
         let narrowest = NARROWEST * field.coarse_edge();
         grown.retain(|region| {
@@ -200,8 +204,9 @@ impl Grown {
         let fewest = (SHARE_OF_POINTS * points as f64).clamp(FEWEST_POINTS, ENOUGH_POINTS);
         let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
         let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
-        let samples = |cell: usize| samples(field.order[cell] as usize);
-        let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
+        let (samples, number) = samples;
+        let number = |cell: usize| number(field.order[cell] as usize);
+        let mixture = Mixture { field: &field, noise, samples, number, settings: &settings, fewest };
         let (of_cells, candidates) = mixture.solve(&grown);
         let mut pieces = pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.places(cell));
 

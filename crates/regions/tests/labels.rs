@@ -5,7 +5,7 @@
 mod scenes;
 
 use scenes::{Scene, Sorted, dot, rectangle};
-use terrace_regions::{Field, Found, Measure, Samples, Settings, find};
+use terrace_regions::{Field, Found, Measure, Samples, Settings, find, itself};
 
 const SIGMA: f64 = 0.01;
 const EDGE: f64 = 0.06;
@@ -22,11 +22,10 @@ fn corner(seed: u64) -> Scene {
 }
 
 fn found(sorted: &Sorted) -> Found {
-    let mut samples = Samples::default();
+    let mut samples = Samples::new(EDGE / f64::from(1 << 16));
     samples.push_all(|point| sorted.cell_of[point], &sorted.places);
-    let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let field = Field::of(&sorted.cells, EDGE).unwrap();
-    find(field, sorted.places.len() as u64, of_cell, &Settings::default()).unwrap()
+    find(field, sorted.places.len() as u64, (&samples, itself), &Settings::default()).unwrap()
 }
 
 /// The labels of some points, in their order, and what they measure.

@@ -95,7 +95,8 @@ impl<'m> Grown<'m> {
         mut begins: impl FnMut(Stage),
     ) -> Result<Self, ExtractError> {
         let (grid, used) = used_of(mapper)?;
-        let (Some(cells), Some(coarse)) = (mapper.fine(), mapper.coarse()) else {
+        let (Some(cells), Some(coarse), Some(samples)) = (mapper.fine(), mapper.coarse(), mapper.samples())
+        else {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
@@ -115,8 +116,7 @@ impl<'m> Grown<'m> {
         }
         // Regions grow one after the other: what does not need them has the other threads.
         let (grown, ()) = Surfaces::beside(field, &settings_of_find, || nodes.find_normals(mapper.params()))?;
-        let found = grown
-            .find(fine.points, |place| fine.number(place).map_or(&[], |number| mapper.samples().of(number)));
+        let found = grown.find(fine.points, (samples, |place| fine.number(place)));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
