@@ -12,7 +12,7 @@ use std::num::NonZeroU32;
 use terrace::choose_cell_size;
 use terrace_benches::Usage;
 use terrace_grid::{CellId, PointErrors, VoxelGrid};
-use terrace_regions::{Cell, Field, Samples, Settings, find};
+use terrace_regions::{Cell, Field, Sample, Samples, Settings, find};
 use terrace_synth::Scene;
 use terrace_types::{Frame, Sigma};
 
@@ -85,7 +85,7 @@ fn profile(points: usize) -> Outcome<()> {
             kept.push((cells, places));
         }
         done(&mut best)?;
-        let mut samples = Samples::default();
+        let mut samples = Samples::new(grid.place_unit());
         let number = |cell: &Option<CellId>| cell.and_then(|cell| u32::try_from(cell.index()).ok());
         for (cells, places) in &kept {
             samples.push_all(|at| number(&cells[at]), places);
@@ -98,8 +98,12 @@ fn profile(points: usize) -> Outcome<()> {
             .map(|cell| Cell { key: cell.key(), is_wide: false, stats: cell.stats() })
             .collect();
         done(&mut best)?;
-        let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
-        let found = find(Field::of(&fine, grid.cell_size())?, points as u64, of_cell, &Settings::default())?;
+        let found = find(
+            Field::of(&fine, grid.cell_size())?,
+            points as u64,
+            |cell| u32::try_from(cell).map_or(Sample::EMPTY, |cell| samples.sample(cell)),
+            &Settings::default(),
+        )?;
         done(&mut best)?;
         let mut labels: Vec<Option<NonZeroU32>> = vec![None; points];
         let mut rest = &mut labels[..];

@@ -7,7 +7,7 @@ use terrace_cluster::Grower;
 use terrace_depth::{Camera, PlaneFinder};
 use terrace_grid::{CellId, DenseCells, PointErrors, VoxelGrid, Walk};
 use terrace_normals::{UncertainNormal, estimate, fit_plane, symmetric_eigen_batch};
-use terrace_regions::{Cell, Field, Found, Samples, Settings, find};
+use terrace_regions::{Cell, Field, Found, Sample, Samples, Settings, find};
 use terrace_stats::{Stats, SymmetricMatrix3, UncertainVector};
 use terrace_synth::Scene;
 
@@ -133,17 +133,16 @@ impl Gridded {
     }
 
     fn samples(&self) -> Samples {
-        let mut samples = Samples::default();
+        let mut samples = Samples::new(self.grid.place_unit());
         samples.push_all(|point| self.cell(point), &self.places);
         samples
     }
 
     fn found(&self, fine: &[Cell], samples: &Samples) -> Outcome<Found> {
-        let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
         Ok(find(
             Field::of(fine, self.grid.cell_size())?,
             self.cells.len() as u64,
-            of_cell,
+            |cell| u32::try_from(cell).map_or(Sample::EMPTY, |cell| samples.sample(cell)),
             &Settings::default(),
         )?)
     }

@@ -149,7 +149,7 @@ impl<'b> Rows<'b> {
                     SymmetricMatrix3(second),
                     SymmetricMatrix3(noise),
                 ),
-                sample: &sample,
+                sample: sample.as_slice().into(),
                 halvings: self.halvings[row],
                 seen: &seen,
             })?;

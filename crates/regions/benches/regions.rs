@@ -15,6 +15,8 @@ use terrace_stats::{Stats, UncertainVector};
 
 const SIGMA: f64 = 0.01;
 const EDGE: f64 = 0.04;
+/// Of places, of which half an edge has no more than 2¹⁵.
+const UNIT: f64 = EDGE / (1 << 16) as f64;
 
 /// Corners and sides.
 const FACES: [[[f64; 3]; 3]; 8] = [
@@ -80,14 +82,13 @@ fn regions(c: &mut Criterion) {
     group.bench_function("sums around cells", |b| b.iter(|| field().sums_around(|_, sums| *sums)));
 
     let sampled = || {
-        let mut samples = Samples::default();
+        let mut samples = Samples::new(UNIT);
         samples.push_all(|point| cell_of[point], &places);
         samples
     };
     let samples = sampled();
     let planes = || {
-        let of_cell = |cell: usize| samples.of(cell as u32);
-        find(field(), places.len() as u64, of_cell, &Settings::default()).unwrap()
+        find(field(), places.len() as u64, |cell| samples.sample(cell as u32), &Settings::default()).unwrap()
     };
     group.bench_function("find", |b| b.iter(planes));
     let labeller = planes().labeller;

@@ -86,4 +86,12 @@ pub enum SampleError {
         /// How often the sample was halved.
         halvings: u8,
     },
+    /// A place is not a whole multiple of what places are kept in, or of too many of that.
+    #[error("the place {place:?} is not in whole units of {unit} m, 2^15 of them at most")]
+    Unit {
+        /// From the anchor of the cell, in metres.
+        place: [f32; 3],
+        /// In metres.
+        unit: f32,
+    },
 }

@@ -9,10 +9,12 @@ use crate::{Measure, Samples};
 /// Points that are labelled by a thread at once.
 const AT_ONCE: usize = 1 << 14;
 
-/// Some points of each cell.
+/// Some points of each cell, in a unit in which all places fit.
 pub(crate) fn samples_of(points: Points) -> Samples {
-    let mut samples = Samples::default();
     let finite = |place: &[f32; 3]| place.iter().all(|x| x.is_finite());
+    let places = points.places.iter().filter(|place| finite(place));
+    let farthest = places.flatten().fold(1e-30_f32, |farthest, x| x.abs().max(farthest));
+    let mut samples = Samples::new((f64::from(farthest).log2().floor() - 14.0).exp2());
     samples.push_all(|at| points.cells[at].filter(|_| finite(&points.places[at])), points.places);
     samples
 }

@@ -55,12 +55,12 @@ pub(crate) struct Piece {
 }
 
 /// The pieces of all cells, as their samples tell. A cell whose whole sample is of one region is of it with all its points.
-pub(crate) fn pieces<'s>(
+pub(crate) fn pieces<P: Iterator<Item = [f32; 3]>>(
     field: &Field,
     of_cells: &OfCells,
     candidates: &[Option<Candidate>],
     reach: f64,
-    samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
+    samples: impl Fn(usize) -> P + Sync,
 ) -> Vec<Piece> {
     // Which there are is told first: so they are written where they stay.
     let mut parts: Vec<(u32, &Part, &Flat)> = Vec::with_capacity(of_cells.parts.len());
@@ -84,7 +84,7 @@ pub(crate) fn pieces<'s>(
         }
         let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
         for place in samples(at) {
-            if of_cells.nearby[at].label(*place, reach) == Some(part.region) {
+            if of_cells.nearby[at].label(place, reach) == Some(part.region) {
                 let place = DVec3::from(place.map(f64::from));
                 count += 1.0;
                 sum += place;

@@ -103,7 +103,7 @@ pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labeller::{Labeller, Measure};
 pub use labels::Points;
-pub use samples::Samples;
+pub use samples::{Sample, Samples};
 pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
 

@@ -9,6 +9,7 @@ use crate::flat::Flat;
 use crate::grow::Region;
 use crate::near::{Near, Nearby, Several, Within};
 use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
+use crate::samples::Sample;
 use crate::{Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
@@ -37,14 +38,15 @@ struct Before<'a> {
 
 /// Memory that a thread works with.
 #[derive(Default)]
-struct Work {
+struct Work<'s> {
     /// The cells that are looked at.
     todo: Vec<usize>,
     shares: Vec<(u32, f64)>,
     ends: Vec<End>,
     parts: Vec<Part>,
     scores: Vec<f32>,
-    /// Samples of the cells that are looked at, one after the other, and where each begins.
+    samples: Vec<Sample<'s>>,
+    /// The places of these, one after the other, and where each begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
 }
@@ -67,7 +69,7 @@ impl Candidate {
     }
 }
 
-impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
+impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
     /// Finds how many points of each cell are of which region near it, and the regions that are left.
     ///
     /// # Algorithm
@@ -149,18 +151,11 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         ends: &Ends,
     ) -> Vec<Vec<(Parts, bool)>> {
         let cells = again.par_chunks(AT_ONCE).zip(nearby.par_chunks_mut(AT_ONCE)).enumerate();
-        let of_some = |work: &mut Work, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
+        let of_some = |work: &mut Work<'s>, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
             let first = number * AT_ONCE;
             work.todo.clear();
             work.todo.extend((0..again.len()).filter(|at| again[*at]));
-            // At once: so the memory of one is not waited for before that of the next is asked for.
-            work.places.clear();
-            work.starts.clear();
-            for at in &work.todo {
-                work.starts.push(work.places.len());
-                work.places.extend_from_slice(self.places(first + at));
-            }
-            work.starts.push(work.places.len());
+            work.unpack(self, first);
             let all = 0..work.todo.len();
             let look = |number: usize| {
                 let at = work.todo[number];
@@ -211,7 +206,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
         before: Before<'_>,
         candidates: &[Option<Candidate>],
         ends: &Ends,
-        work: &mut Work,
+        work: &mut Work<'s>,
     ) -> Nearby {
         let Work { shares, ends: here_ends, .. } = work;
         shares.clear();
@@ -292,7 +287,7 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     }
 
     /// What the points of a cell are of, with these regions near it, and whether some may be of two: one of those whose samples are in `work`.
-    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work) -> (Parts, bool) {
+    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work<'s>) -> (Parts, bool) {
         let points = self.field.cells[cell].points;
         let Work { places, starts, parts, scores, .. } = work;
         let places = &places[starts[at]..starts[at + 1]];
@@ -311,14 +306,33 @@ impl<'s, S: Fn(usize) -> &'s [[f32; 3]] + Sync> Mixture<'_, S> {
     }
 
     /// Some points of a cell, at least one: a cell has points.
-    pub(crate) fn places<'t>(&'t self, cell: usize) -> &'t [[f32; 3]]
-    where
-        's: 't,
-    {
-        match (self.samples)(cell) {
-            [] => self.field.middle(cell),
-            places => places,
-        }
+    pub(crate) fn places(&self, cell: usize) -> impl Iterator<Item = [f32; 3]> {
+        let sample = (self.samples)(cell);
+        let middle = if sample.is_empty() { self.field.middle(cell) } else { &[] };
+        middle.iter().copied().chain(sample.places())
+    }
+}
+
+impl<'s> Work<'s> {
+    /// Finds the places of samples of the cells that are looked at, the first of all being of this number. Step by step: so the memory of
+    /// one is not waited for before that of the next is asked for.
+    fn unpack<S: Fn(usize) -> Sample<'s> + Sync>(&mut self, mixture: &Mixture<'_, S>, first: usize) {
+        let Self { todo, samples, places, starts, .. } = self;
+        samples.clear();
+        samples.extend(todo.iter().map(|at| (mixture.samples)(first + at)));
+        places.clear();
+        starts.clear();
+        pulp::Arch::new().dispatch(|| {
+            for (at, sample) in todo.iter().zip(&*samples) {
+                starts.push(places.len());
+                sample.append(places);
+                if sample.is_empty() {
+                    // A cell has points.
+                    places.extend_from_slice(mixture.field.middle(first + at));
+                }
+            }
+        });
+        starts.push(places.len());
     }
 }
 

@@ -15,7 +15,7 @@ use crate::labels::{Piece, Points, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Looks;
-use crate::{Cell, RegionsError, Settings, Step};
+use crate::{Cell, RegionsError, Sample, Settings, Step};
 
 /// Points are taken to be known no better than to this share of a coarser cell: what is smaller is not looked at as a shape.
 const FLOOR: f64 = 0.05;
@@ -130,7 +130,7 @@ pub fn segment(
     settings.validate()?;
     let field = Field::of(cells, edge)?;
     let samples = samples_of(points);
-    let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
+    let of_cell = |cell: usize| u32::try_from(cell).map_or(Sample::EMPTY, |cell| samples.sample(cell));
     let known = points.cells.iter().flatten().count();
     Ok(by_points(find(field, known as u64, of_cell, settings)?, points))
 }
@@ -138,7 +138,7 @@ pub fn segment(
 /// Finds the planes of a scene without its points: from the [sums of cells](Field), and a sample of the points of each. Points are
 /// labelled afterwards, with [`Found::labeller`].
 ///
-/// `points` is the number of all points, `samples` gives some places of a cell's points from the anchor of its sums, in metres: see
+/// `points` is the number of all points, `samples` gives some points of each cell, by its place among the cells: see
 /// [`Samples`](crate::Samples).
 ///
 /// # Errors
@@ -146,7 +146,7 @@ pub fn segment(
 pub fn find<'s>(
     field: Field,
     points: u64,
-    samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync,
+    samples: impl Fn(usize) -> Sample<'s> + Sync,
     settings: &Settings,
 ) -> Result<Found, RegionsError> {
     Ok(Grown::of(field, settings)?.find(points, samples))
@@ -188,7 +188,7 @@ impl Grown {
     }
 
     /// Finds the planes by samples of points, as [`find`] does.
-    pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> &'s [[f32; 3]] + Sync) -> Found {
+    pub fn find<'s>(self, points: u64, samples: impl Fn(usize) -> Sample<'s> + Sync) -> Found {
         let Self { mut field, regions: mut grown, noise, settings } = self;
         grown.retain(|region| {
             let [_, across, _] = region.fitted.fit.variances;

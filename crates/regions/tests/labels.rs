@@ -22,11 +22,16 @@ fn corner(seed: u64) -> Scene {
 }
 
 fn found(sorted: &Sorted) -> Found {
-    let mut samples = Samples::default();
+    let mut samples = Samples::new(EDGE / f64::from(1 << 16));
     samples.push_all(|point| sorted.cell_of[point], &sorted.places);
-    let of_cell = |cell: usize| u32::try_from(cell).map_or(&[][..], |cell| samples.of(cell));
     let field = Field::of(&sorted.cells, EDGE).unwrap();
-    find(field, sorted.places.len() as u64, of_cell, &Settings::default()).unwrap()
+    find(
+        field,
+        sorted.places.len() as u64,
+        |cell| samples.sample(u32::try_from(cell).unwrap()),
+        &Settings::default(),
+    )
+    .unwrap()
 }
 
 /// The labels of some points, in their order, and what they measure.

@@ -7,7 +7,7 @@ mod scenes;
 use std::f64::consts::TAU;
 
 use scenes::{Scene, Sorted, dot, rectangle};
-use terrace_regions::{Cell, Field, RegionsError, Segmentation, Settings, find, segment};
+use terrace_regions::{Cell, Field, RegionsError, Sample, Segmentation, Settings, find, segment};
 use terrace_stats::SymmetricMatrix3;
 
 /// Standard error of a point, and an edge of half the cell that it suggests.
@@ -276,7 +276,7 @@ fn errors_that_are_told_later_are_those_of_the_cells() {
     let mut told = Field::of(&bare, 4.0 * EDGE).unwrap();
     told.set_noise(|cell| cells[cell].stats.moments().noise()).unwrap();
     assert_eq!(told.sums_around(|_, sums| *sums), known.sums_around(|_, sums| *sums));
-    let regions = |field| find(field, points, |_| &[], &Settings::default()).unwrap().regions;
+    let regions = |field| find(field, points, |_| Sample::EMPTY, &Settings::default()).unwrap().regions;
     let found = regions(told);
     assert_eq!(found.len(), 3);
     assert_eq!(found, regions(known));

@@ -65,12 +65,8 @@ impl Mapper {
         let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let unit = grid.place_unit();
         let seen = seen.as_mut().filter(|_| matters);
-        let behind = Mutex::new(Behind {
-            samples: grows.then_some(samples),
-            seen,
-            kept: keeps.then_some(&mut kept),
-            unit,
-        });
+        let behind =
+            Mutex::new(Behind { samples: samples.as_mut(), seen, kept: keeps.then_some(&mut kept), unit });
         let front = Mutex::new(Front { grid, places: grows, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
         let parts: [Mutex<Part>; ROOM] = Default::default();

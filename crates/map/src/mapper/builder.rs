@@ -1,7 +1,7 @@
 //! A map put together from its parts.
 
 use terrace_grid::{GridError, VoxelKey};
-use terrace_regions::{SampleError, Samples};
+use terrace_regions::SampleError;
 use terrace_stats::Moments;
 
 use super::parts::{MapCell, number};
@@ -103,7 +103,6 @@ pub enum PartsError {
 pub struct MapBuilder {
     mapper: Mapper,
     seen: Seen,
-    samples: Samples,
     /// Points of each view that the cells hold, and whether a sighting is as large as any can be.
     of_views: Vec<(u64, bool)>,
     /// The largest distance of a point from what sums are relative to, along an axis.
@@ -125,7 +124,7 @@ impl MapBuilder {
         }
         mapper.chosen = chosen;
         if let Some(size) = mapper.cell_size() {
-            mapper.fine = Some(mapper.grid_of(size)?);
+            mapper.begin(size)?;
         } else if !views.is_empty() {
             return Err(PartsError::NoCellSize);
         }
@@ -140,7 +139,7 @@ impl MapBuilder {
         let reach = 0.5 * (1.0 + ROUNDING) * mapper.cell_size().unwrap_or(0.0);
         let of_views = vec![(0, false); views.len()];
         mapper.views = views;
-        Ok(Self { mapper, seen: Seen::default(), samples: Samples::default(), of_views, reach })
+        Ok(Self { mapper, seen: Seen::default(), of_views, reach })
     }
 
     /// Adds a cell, after those that were founded before it.
@@ -163,13 +162,15 @@ impl MapBuilder {
         if cell.sample.len() as u64 > points {
             return Err(sample(SampleError::TooMany { places: cell.sample.len() }));
         }
-        // A map that keeps none has no room for them either.
         if !cell.sample.is_empty() || cell.halvings > 0 {
             let far = |place: &&[f32; 3]| place.iter().any(|x| f64::from(x.abs()) > self.reach);
             if let Some(place) = cell.sample.iter().find(far) {
                 return Err(sample(SampleError::Place { place: *place, halvings: cell.halvings }));
             }
-            self.samples.restore(number(id), cell.sample, cell.halvings).map_err(sample)?;
+            // A map that grows no regions has none.
+            if let Some(samples) = &mut self.mapper.samples {
+                samples.restore(number(id), &cell.sample, cell.halvings).map_err(sample)?;
+            }
         }
         self.seen.restore(id, cell.seen);
         Ok(())
@@ -202,14 +203,13 @@ impl MapBuilder {
     /// # Errors
     /// [`PartsError::ViewPoints`] when cells are missing.
     pub fn finish(self) -> Result<Mapper, PartsError> {
-        let Self { mut mapper, seen, samples, of_views, .. } = self;
+        let Self { mut mapper, seen, of_views, .. } = self;
         for (view, (found, full)) in of_views.into_iter().enumerate() {
             let points = mapper.views[view].present().unwrap_or(0);
             if !(found == points as u64 || (full && found < points as u64)) {
                 return Err(PartsError::ViewPoints { view, points, found });
             }
         }
-        mapper.samples = samples;
         mapper.seen = Some(seen);
         Ok(mapper)
     }

@@ -50,7 +50,7 @@ impl Mapper {
             }
         };
         if let Some(size) = size {
-            self.fine = Some(self.grid_of(size)?);
+            self.begin(size)?;
         }
         self.chosen = choice;
         if let (Some(seen), Some(last)) = (&mut self.seen, self.views.len().checked_sub(1)) {
@@ -138,7 +138,9 @@ impl Mapper {
             }
             if grows {
                 let cells = &kept.cells[begin..];
-                self.samples.push_all(|at| number(cells[at]), &places);
+                if let Some(samples) = &mut self.samples {
+                    samples.push_all(|at| number(cells[at]), &places);
+                }
                 if self.seen.is_none() {
                     kept.places.extend(&places, grid.place_unit());
                 }

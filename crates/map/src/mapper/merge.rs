@@ -108,7 +108,7 @@ impl Mapper {
             self.chosen = self.chosen.or(other.chosen);
         }
         if let (None, Some(size)) = (&self.fine, other.cell_size()) {
-            self.fine = Some(self.grid_of(size)?);
+            self.begin(size)?;
         }
         let Some(ours) = &mut self.fine else { return Ok(()) };
         self.coarse = std::sync::OnceLock::new();
@@ -116,7 +116,9 @@ impl Mapper {
         let mut cells: Vec<CellId> = Vec::with_capacity(theirs.len());
         for cell in theirs.founded() {
             let id = ours.add_cell(cell.key(), cell.stats().moments())?;
-            self.samples.merge(number(id), &other.samples, number(cell.id()));
+            if let (Some(samples), Some(others)) = (&mut self.samples, &other.samples) {
+                samples.merge(number(id), others, number(cell.id()));
+            }
             cells.push(id);
         }
         let renumbered = |cell: CellId| cells.get(cell.index()).copied();

@@ -32,7 +32,7 @@ pub struct Mapper {
     /// Cells of the cell size, where they are not those that points are added to.
     coarse: OnceLock<Option<Coarse>>,
     /// Some points of each fine cell, where regions are grown.
-    samples: Samples,
+    samples: Option<Samples>,
     /// One for each scan, or chunk of it: in parts, so that nothing is moved when more come.
     kept: Vec<Kept>,
     /// What each view saw of which cell, where points are not kept.
@@ -87,7 +87,7 @@ impl Mapper {
             chosen: None,
             fine: None,
             coarse: OnceLock::new(),
-            samples: Samples::default(),
+            samples: None,
             kept: Vec::new(),
             seen: None,
             spares: false,
@@ -156,8 +156,9 @@ impl Mapper {
         self.coarse.get_or_init(made).as_ref()
     }
 
-    pub(crate) fn samples(&self) -> &Samples {
-        &self.samples
+    /// Some points of each fine cell; none where no regions are grown.
+    pub(crate) fn samples(&self) -> Option<&Samples> {
+        self.samples.as_ref()
     }
 
     pub(crate) fn kept(&self) -> &[Kept] {
@@ -186,17 +187,22 @@ impl Mapper {
     /// [`InsertError::Grid`] when the grid refuses it.
     pub fn begin_with(&mut self, choice: CellSizeChoice) -> Result<(), InsertError> {
         if self.wants_cell_size() {
-            self.fine = Some(self.grid_of(choice.cell_size)?);
+            self.begin(choice.cell_size)?;
             self.chosen = Some(choice);
         }
         Ok(())
     }
 
-    fn grid_of(&self, size: f64) -> Result<VoxelGrid, GridError> {
-        match self.params.grows() {
-            Some(_) => VoxelGrid::of_halves(size),
-            None => VoxelGrid::new(size, self.params.assignment),
+    /// Cells of this size, and samples of them where regions are grown.
+    fn begin(&mut self, size: f64) -> Result<(), GridError> {
+        if self.params.grows().is_some() {
+            let grid = VoxelGrid::of_halves(size)?;
+            self.samples = Some(Samples::new(grid.place_unit()));
+            self.fine = Some(grid);
+        } else {
+            self.fine = Some(VoxelGrid::new(size, self.params.assignment)?);
         }
+        Ok(())
     }
 
     /// The cell size that was chosen from the first scan; `None` when one was given, or before the first scan.

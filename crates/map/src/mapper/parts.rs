@@ -1,5 +1,7 @@
 //! A map taken apart.
 
+use std::borrow::Cow;
+
 use terrace_grid::{CellId, VoxelGrid, VoxelKey};
 use terrace_stats::Moments;
 
@@ -8,14 +10,14 @@ use crate::StreamingError;
 use crate::estimate::{Sighting, Sightings};
 
 /// A cell of a map. Cells have the edge of [`Mapper::edge`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MapCell<'m> {
     /// Index of the voxel: the point p lies in `floor(p / edge)`.
     pub key: VoxelKey,
     /// Number of points, L, S and E, relative to the centre of the cell of the map's cell size that the cell is or is in, in metres.
     pub sums: Moments,
     /// Places of some of the points relative to the same centre, in metres; empty where no regions are grown.
-    pub sample: &'m [[f32; 3]],
+    pub sample: Cow<'m, [[f32; 3]]>,
     /// How often the sample was halved, see [`Samples::halvings`](terrace_regions::Samples::halvings).
     pub halvings: u8,
     /// How many points each view saw, in the order of the views.
@@ -80,13 +82,14 @@ impl MapParts<'_> {
     /// Its cells, in the order in which they were founded.
     pub fn cells(&self) -> impl Iterator<Item = MapCell<'_>> {
         let cells = self.mapper.fine.iter().flat_map(VoxelGrid::founded);
-        cells.map(|cell| {
+        let samples = self.mapper.samples();
+        cells.map(move |cell| {
             let number = number(cell.id());
             MapCell {
                 key: cell.key(),
                 sums: *cell.stats().moments(),
-                sample: self.mapper.samples.of(number),
-                halvings: self.mapper.samples.halvings(number),
+                sample: samples.map_or_else(Vec::new, |samples| samples.of(number).collect()).into(),
+                halvings: samples.map_or(0, |samples| samples.halvings(number)),
                 seen: self.sightings.of_cell(cell.id().index()),
             }
         })

@@ -1,8 +1,7 @@
 //! The fine cells, as regions take them.
 
-use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Cell, Field, Found, RegionsError, Samples};
+use terrace_regions::{Cell, Field, Found, RegionsError, Sample, Samples};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -13,8 +12,6 @@ use crate::mapper::Coarse;
 /// Cells stay whole where the standard error of a point, along an axis in the mean, is more than this share of half their edge: parts
 /// of such a cell all have points of the same places, and tell together what it tells alone.
 const BLURRED: f64 = 0.4;
-/// Cells whose samples are put together by a thread at once.
-const AT_ONCE: usize = 256;
 
 /// The cells of half the cell size, and whole ones in the place of those where errors are large.
 pub(crate) struct Fine<'m> {
@@ -25,7 +22,7 @@ pub(crate) struct Fine<'m> {
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
     /// Samples of the points of whole cells.
-    of_whole: Vec<Vec<[f32; 3]>>,
+    of_whole: Option<Samples>,
     pub(crate) places: Places,
     /// Points of all cells.
     pub(crate) points: u64,
@@ -61,14 +58,14 @@ impl<'m> Fine<'m> {
             samples,
             cells: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
-            of_whole: Vec::new(),
+            of_whole: None,
             places: Places::default(),
             points: 0,
         };
         let is_whole: Vec<bool> =
             coarse.grid.founded().map(|cell| is_blurred(cell.moments(), grid.cell_size())).collect();
         let mut wholes: Vec<Option<u32>> = vec![None; coarse.grid.len()];
-        // The parts of whole cells.
+        // The parts of whole cells, and which each is of.
         let mut parts: Vec<(u32, u32)> = Vec::new();
         let mut whole_places: Vec<Option<u32>> = Vec::new();
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
@@ -82,7 +79,7 @@ impl<'m> Fine<'m> {
                     fine.of.push(*of);
                     whole
                 });
-                parts.push((whole, number));
+                parts.push((number, whole));
                 places.push(whole_places.get(whole as usize).copied().flatten());
                 fine.points += cell.density();
                 continue;
@@ -98,13 +95,7 @@ impl<'m> Fine<'m> {
         if fine.cells.len() < places.len() {
             fine.places = Places(places);
         }
-        parts.par_sort_unstable();
-        let together: Vec<&[(u32, u32)]> = parts.chunk_by(|a, b| a.0 == b.0).collect();
-        let sample = |parts: &&[(u32, u32)]| {
-            let cells: Vec<u32> = parts.iter().map(|(_, cell)| *cell).collect();
-            samples.of_several(&cells)
-        };
-        fine.of_whole = together.par_iter().with_min_len(AT_ONCE).map(sample).collect();
+        fine.of_whole = (!parts.is_empty()).then(|| samples.together(&parts));
         fine
     }
 
@@ -132,12 +123,13 @@ impl<'m> Fine<'m> {
     }
 
     /// The sample of the points of the cell at a place.
-    pub(crate) fn sample(&self, place: usize) -> &[[f32; 3]] {
-        match self.cells.get(place) {
-            Some(Source::Half(id)) => u32::try_from(id.index()).map_or(&[], |cell| self.samples.of(cell)),
-            Some(Source::Whole(whole)) => self.of_whole.get(*whole as usize).map_or(&[], Vec::as_slice),
-            None => &[],
-        }
+    pub(crate) fn sample(&self, place: usize) -> Sample<'_> {
+        let sample = match self.cells.get(place) {
+            Some(Source::Half(id)) => u32::try_from(id.index()).ok().map(|cell| self.samples.sample(cell)),
+            Some(Source::Whole(whole)) => self.of_whole.as_ref().map(|samples| samples.sample(*whole)),
+            None => None,
+        };
+        sample.unwrap_or(Sample::EMPTY)
     }
 
     /// Gives the cells the errors that flat places show, which are then in `errors`.
@@ -209,7 +201,7 @@ mod tests {
     }
 
     fn fine(mapper: &Mapper) -> Fine<'_> {
-        Fine::of(mapper.fine().unwrap(), mapper.coarse().unwrap(), mapper.samples())
+        Fine::of(mapper.fine().unwrap(), mapper.coarse().unwrap(), mapper.samples().unwrap())
     }
 
     #[test]
@@ -223,7 +215,8 @@ mod tests {
         assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
         for at in 0..fine.cells.len() {
             let cell = fine.cell(at).unwrap();
-            let (points, sample) = (cell.stats.count(), fine.sample(at));
+            let sample: Vec<[f32; 3]> = fine.sample(at).places().collect();
+            let points = cell.stats.count();
             assert_eq!((points, cell.is_wide), if wide.contains(&at) { (100, true) } else { (25, false) });
             assert!((1..=16).contains(&sample.len()));
             for place in sample {

@@ -95,13 +95,14 @@ impl<'m> Grown<'m> {
         mut begins: impl FnMut(Stage),
     ) -> Result<Self, ExtractError> {
         let (grid, used) = used_of(mapper)?;
-        let (Some(cells), Some(coarse)) = (mapper.fine(), mapper.coarse()) else {
+        let (Some(cells), Some(coarse), Some(samples)) = (mapper.fine(), mapper.coarse(), mapper.samples())
+        else {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
         let (mut nodes, fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
-            || Fine::of(cells, coarse, mapper.samples()),
+            || Fine::of(cells, coarse, samples),
         );
 
         begins(Stage::Grow { cells: grid.len() });

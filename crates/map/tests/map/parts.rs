@@ -131,8 +131,11 @@ fn parts_that_are_of_no_map_are_refused() {
         Err(PartsError::Grid(GridError::KeyOutOfRange { .. }))
     ));
     assert!(matches!(changed(|cell, _| cell.halvings = 99), Err(PartsError::Sample { .. })));
-    assert!(matches!(changed(|cell, _| cell.sample = &[[9.0; 3]]), Err(PartsError::Sample { .. })));
-    assert!(matches!(changed(|cell, _| cell.sample = &[[0.0; 3]; 6]), Err(PartsError::Sample { .. })));
+    assert!(matches!(changed(|cell, _| cell.sample = vec![[9.0; 3]].into()), Err(PartsError::Sample { .. })));
+    assert!(matches!(
+        changed(|cell, _| cell.sample = vec![[0.0; 3]; 6].into()),
+        Err(PartsError::Sample { .. })
+    ));
     for seen in [
         &[][..],
         &[Sighting { view: 0, points: 4 }],
@@ -303,7 +306,7 @@ proptest! {
                     places.sort_unstable();
                     places
                 };
-                prop_assert_eq!(set(found.sample), set(cell.sample));
+                prop_assert_eq!(set(&found.sample), set(&cell.sample));
                 let mut seen = [found.seen, cell.seen].map(|seen| seen.iter().map(|s| s.points).collect::<Vec<_>>());
                 for seen in &mut seen {
                     seen.sort_unstable();

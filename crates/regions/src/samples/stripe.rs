@@ -1,0 +1,230 @@
+//! Samples of some of the cells, in memory.
+
+use super::units::{Packed, Unit};
+
+/// So many points of a cell are kept at most.
+pub(super) const MOST: usize = 16;
+/// After so many halvings the threshold is at its least.
+pub(super) const MOST_HALVINGS: u8 = 31;
+/// So many are kept beside what is looked at for each point: all that many cells have.
+const FEW: usize = 4;
+/// One more than are kept: a place is written first, and counted when it stays.
+const ROOM: usize = MOST + 1;
+/// Cells, and further places of cells, that are in a row.
+const PAGE: usize = 64;
+/// A cell without further places.
+const NONE: u32 = u32::MAX;
+
+/// Page by page, so that none is moved when more cells come. Aligned, for one of several is faster found so.
+#[allow(clippy::vec_box, reason = "pages are not moved")]
+#[derive(Debug, Clone, Default)]
+#[repr(align(64))]
+pub(super) struct Stripe {
+    cells: Vec<Box<[Kept; PAGE]>>,
+    /// Further places of the cells that have more than a few, in the order in which they had.
+    more: Vec<Box<[More; PAGE]>>,
+    /// How many cells have.
+    full: u32,
+}
+
+/// The sample of a cell, with its first places.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Kept {
+    /// Where further places are.
+    more: u32,
+    count: u8,
+    /// Halvings of the threshold.
+    halvings: u8,
+    few: [Packed; FEW],
+}
+
+type More = [Packed; ROOM - FEW];
+
+/// Some points of a cell: see [`Samples`](crate::Samples).
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'s> {
+    few: &'s [Packed; FEW],
+    more: &'s More,
+    /// So many of the first, and of the others.
+    count: u8,
+    unit: Unit,
+}
+
+impl<'s> Sample<'s> {
+    /// That of a cell without points.
+    pub const EMPTY: Self =
+        Self { few: &[[0; 3]; FEW], more: &[[0; 3]; ROOM - FEW], count: 0, unit: Unit::ONE };
+
+    /// Where the points are, from the anchor of the cell's sums, in metres.
+    pub fn places(&self) -> impl Iterator<Item = [f32; 3]> + Clone + use<'s> {
+        let unit = self.unit;
+        let packed = self.few.iter().chain(self.more).take(self.count.into());
+        packed.map(move |packed| unit.unpacked(*packed))
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Appends the places to a list.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    pub(crate) fn append(&self, to: &mut Vec<[f32; 3]>) {
+        // All that there may be: a number that is known beforehand is faster than a smaller one.
+        let after = to.len() + usize::from(self.count);
+        to.extend_from_slice(&self.few.map(|packed| self.unit.unpacked(packed)));
+        to.extend_from_slice(&self.more.map(|packed| self.unit.unpacked(packed)));
+        to.truncate(after);
+    }
+}
+
+impl Stripe {
+    #[inline]
+    pub(super) fn push(&mut self, at: usize, place: Packed, scrambled: u32, unit: Unit) {
+        let Some(kept) = self.cells.get_mut(at / PAGE).map(|page| &mut page[at % PAGE]) else {
+            return self.push_anew(at, place, scrambled, unit);
+        };
+        // Whether a place stays cannot be predicted while a cell fills: there is no branch.
+        let stays = scrambled <= kept.threshold();
+        let (before, after) = (kept.count(), kept.count + u8::from(stays));
+        if let Some(free) = kept.few.get_mut(before) {
+            *free = place;
+            kept.count = after;
+            return;
+        }
+        let more = kept.more as usize;
+        let Some(more) = self.more.get_mut(more / PAGE).map(|page| &mut page[more % PAGE]) else {
+            if stays {
+                self.push_anew(at, place, scrambled, unit);
+            }
+            return;
+        };
+        if let Some(free) = more.get_mut(before - FEW) {
+            *free = place;
+        }
+        kept.count = after;
+        if usize::from(after) > MOST {
+            kept.make_room(more, unit);
+        }
+    }
+
+    /// As [`push`](Self::push), where there is no room yet.
+    #[cold]
+    #[inline(never)]
+    fn push_anew(&mut self, at: usize, place: Packed, scrambled: u32, unit: Unit) {
+        if self.get_or_new(at).count() >= FEW {
+            self.more_of(at);
+        }
+        self.push(at, place, scrambled, unit);
+    }
+
+    /// How often the sample of a cell was halved, if there ever was one.
+    pub(super) fn halvings(&self, at: usize) -> Option<u8> {
+        Some(self.get(at)?.halvings)
+    }
+
+    /// The sample of a cell.
+    #[inline]
+    pub(super) fn of(&self, at: usize, unit: Unit) -> Sample<'_> {
+        let Some(kept) = self.get(at) else { return Sample::EMPTY };
+        let more = kept.more as usize;
+        let more = self.more.get(more / PAGE).map_or(Sample::EMPTY.more, |page| &page[more % PAGE]);
+        Sample { few: &kept.few, more, count: kept.count, unit }
+    }
+
+    /// Puts these places, at most sixteen, in the place of the sample of a cell.
+    pub(super) fn put(&mut self, at: usize, places: &[Packed], halvings: u8) {
+        let (few, others) = places.split_at(places.len().min(FEW));
+        if !others.is_empty() {
+            self.more_of(at)[..others.len()].copy_from_slice(others);
+        }
+        let kept = self.get_or_new(at);
+        kept.few[..few.len()].copy_from_slice(few);
+        // At most sixteen.
+        #[allow(clippy::cast_possible_truncation)]
+        let count = places.len() as u8;
+        (kept.count, kept.halvings) = (count, halvings);
+    }
+
+    /// Halves the sample of a cell until it is halved so often.
+    pub(super) fn halve(&mut self, at: usize, halvings: u8, unit: Unit) {
+        while self.get_or_new(at).halvings < halvings {
+            let kept = &mut self.cells[at / PAGE][at % PAGE];
+            let more = kept.more as usize;
+            let mut none = [[0; 3]; ROOM - FEW];
+            let more = self.more.get_mut(more / PAGE).map_or(&mut none, |page| &mut page[more % PAGE]);
+            kept.halve(more, unit);
+        }
+    }
+
+    fn get(&self, at: usize) -> Option<&Kept> {
+        self.cells.get(at / PAGE).map(|page| &page[at % PAGE])
+    }
+
+    fn get_or_new(&mut self, at: usize) -> &mut Kept {
+        if at / PAGE >= self.cells.len() {
+            self.cells.resize_with(at / PAGE + 1, || Box::new([Kept::NONE; PAGE]));
+        }
+        &mut self.cells[at / PAGE][at % PAGE]
+    }
+
+    /// Room for further places of a cell.
+    fn more_of(&mut self, at: usize) -> &mut More {
+        let next = self.full;
+        let kept = self.get_or_new(at);
+        if kept.more == NONE {
+            kept.more = next;
+            self.full += 1;
+        }
+        let more = self.get_or_new(at).more as usize;
+        if more / PAGE >= self.more.len() {
+            self.more.push(Box::new([[[0; 3]; ROOM - FEW]; PAGE]));
+        }
+        &mut self.more[more / PAGE][more % PAGE]
+    }
+}
+
+impl Kept {
+    const NONE: Self = Self { more: NONE, count: 0, halvings: 0, few: [[0; 3]; FEW] };
+
+    fn count(&self) -> usize {
+        self.count.into()
+    }
+
+    /// Scrambled places up to here are in the sample.
+    #[inline]
+    fn threshold(&self) -> u32 {
+        u32::MAX >> self.halvings
+    }
+
+    /// Halves the threshold until there is room for what was just counted; one place again and again is not kept without end.
+    #[inline(never)]
+    fn make_room(&mut self, more: &mut More, unit: Unit) {
+        while usize::from(self.count) > MOST && self.halvings < MOST_HALVINGS {
+            self.halve(more, unit);
+        }
+        if usize::from(self.count) > MOST {
+            self.count -= 1;
+        }
+    }
+
+    fn halve(&mut self, more: &mut More, unit: Unit) {
+        self.halvings += 1;
+        let (threshold, few, others) = (self.threshold(), unit.scramble(&self.few), unit.scramble(more));
+        // Into other memory, and back at once: what was just written in pieces is waited for when it is read as a whole.
+        let (mut kept, mut count) = ([[0; 3]; ROOM + 1], 0);
+        let all = self.few.iter().zip(&few).chain(more.iter().zip(&others));
+        all.take(self.count()).for_each(|(place, scrambled)| {
+            kept[count] = *place;
+            count += usize::from(*scrambled <= threshold);
+        });
+        self.few.copy_from_slice(&kept[..FEW]);
+        more.copy_from_slice(&kept[FEW..ROOM]);
+        // Not more than before.
+        #[allow(clippy::cast_possible_truncation)]
+        let count = count as u8;
+        self.count = count;
+    }
+}
