@@ -3,7 +3,7 @@
 use crate::Step;
 use crate::around::Arounds;
 use crate::cell::Noise;
-use crate::field::Field;
+use crate::field::{COARSE, Field};
 use crate::flat::{Fitted, Flat};
 use crate::seeds::{Seed, Seeds};
 
@@ -157,13 +157,20 @@ impl<'a, 'f> Growing<'a, 'f> {
         free > 0.0 && free >= SEED_FREE * all
     }
 
-    /// The free cells on the plane that hang together with the seed, group by group at its resolution.
+    /// The free cells on the plane that hang together with the seed, group by group at its resolution; where surfaces scatter by more
+    /// than errors say, at that of a coarser cell at most: what lies beyond a gap may then be on the plane by chance.
     fn flood(&mut self, seed: &Seed, plane: &Flat, spread: f64) -> Vec<u32> {
         self.clock += 1;
-        let level = &self.field.levels[seed.level];
-        let reached = &mut self.reached[seed.level];
-        let mut queue: Vec<u32> = vec![seed.group];
-        queue.extend(level.near(seed.group as usize));
+        let of_seed = &self.field.levels[seed.level];
+        let touching = if self.growth.noise.scale > 1.0 { seed.level.min(COARSE) } else { seed.level };
+        let level = &self.field.levels[touching];
+        let reached = &mut self.reached[touching];
+        let mut queue: Vec<u32> =
+            of_seed.cells(seed.group as usize).map(|cell| level.group(cell as usize)).collect();
+        queue.dedup();
+        if touching == seed.level {
+            queue.extend(level.near(seed.group as usize));
+        }
         for group in &queue {
             reached[*group as usize] = self.clock;
         }
@@ -237,6 +244,18 @@ mod tests {
         assert_eq!(region.cells.len(), field.cells.len());
         assert_eq!(region.fitted.sums.count(), 3600);
         assert!(region.fitted.reduced_chi_squared < 1e-9);
+    }
+
+    #[test]
+    fn beyond_a_gap_a_region_goes_on_where_errors_are_all_there_is() {
+        let near = square(|x, y| [x, y, 0.05]);
+        let far = square(|x, y| [1.7 + x, y, 0.05]);
+        let field = field(&[near, far].concat());
+        let regions = |scale: f64| {
+            let noise = Noise { scale, ..NOISE };
+            grow(&mut Arounds::of(&field), Growth { noise, spread: 3.0, without: None }).len()
+        };
+        assert_eq!((regions(1.0), regions(1.5)), (1, 2));
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub(crate) struct Residual {
     /// Mean squared cosine of the angle between rays and normal.
     cosine: Option<f64>,
     /// An estimate of the variance along the normal whose median is right.
-    variance: f64,
+    pub(crate) variance: f64,
 }
 
 /// What flat places show.

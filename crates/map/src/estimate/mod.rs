@@ -126,6 +126,8 @@ pub(crate) struct Errors<'m> {
     sightings: Option<Sightings>,
     /// Found from the residuals, where no error is given.
     pub(crate) level: Option<NoiseLevel>,
+    /// The same, by direction, where distances from the sensor are not known; only for regions.
+    pub(crate) directed: Option<SymmetricMatrix3>,
     floor: f64,
 }
 
@@ -210,7 +212,7 @@ impl<'m> Errors<'m> {
         let known = nodes.know_errors();
         let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
         let sightings = views.iter().any(matters).then(|| Sightings::of(mapper));
-        Self { views, sightings, level: None, floor }
+        Self { views, sightings, level: None, directed: None, floor }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Planes as regions that are grown over cells at several resolutions.
 
 mod coplanar;
+mod directed;
 mod error_level;
 mod fine;
 mod streamed;
