@@ -20,13 +20,6 @@ pub struct Cell {
     pub stats: Stats,
 }
 
-impl Cell {
-    /// The key of it, or of the first of those it is in the place of.
-    pub(crate) fn first_key(&self) -> [i32; 3] {
-        if self.is_wide { self.key.map(|k| k & !1) } else { self.key }
-    }
-}
-
 /// A cell with what is asked of it again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct Sums {

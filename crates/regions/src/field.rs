@@ -69,37 +69,38 @@ impl Field {
     /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells at one place,
     /// and for more cells than are numbered.
     pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
-        Self::of_each(cells.len(), |at| cells[at], edge)
+        let places: Vec<([i32; 3], bool)> = cells.iter().map(|cell| (cell.key, cell.is_wide)).collect();
+        Self::of_each(&places, |at| cells[at].stats, edge)
     }
 
-    /// As [`of`](Self::of), for cells that are kept elsewhere: `cell` tells the one at a place. It is asked several times.
+    /// As [`of`](Self::of), for cells whose sums are kept elsewhere: `cells` are their keys and whether they are wide, and `stats` tells
+    /// the sums of one.
     ///
     /// # Errors
     /// As [`of`](Self::of).
     pub fn of_each(
-        cells: usize,
-        cell: impl Fn(usize) -> Cell + Sync,
+        cells: &[([i32; 3], bool)],
+        stats: impl Fn(usize) -> Stats + Sync,
         edge: f64,
     ) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
-        if u32::try_from(cells).is_err() {
-            return Err(RegionsError::TooMany { cells });
+        if u32::try_from(cells.len()).is_err() {
+            return Err(RegionsError::TooMany { cells: cells.len() });
         }
-        let heads = (0..cells).into_par_iter().with_min_len(AT_ONCE).map(&cell);
-        let heads: Vec<([i32; 3], bool)> = heads.map(|cell| (cell.first_key(), cell.is_wide)).collect();
-        let (along, order) = along_curve(cells, |at| heads[at].0);
-        let ranked = |rank: usize| cell(order[rank] as usize);
-        let some_wide = heads.iter().any(|(_, is_wide)| *is_wide);
+        // Of a wide cell that of the first cell it is in the place of.
+        let key = |(key, is_wide): ([i32; 3], bool)| if is_wide { key.map(|k| k & !1) } else { key };
+        let (along, order) = along_curve(cells.len(), |at| key(cells[at]));
+        let some_wide = cells.iter().any(|(_, is_wide)| *is_wide);
         let wide: Vec<bool> =
-            order.iter().take_while(|_| some_wide).map(|given| heads[*given as usize].1).collect();
-        let mut anchored = Anchored::cubes(&along, |rank| ranked(rank).stats.anchor().into());
+            order.iter().take_while(|_| some_wide).map(|given| cells[*given as usize].1).collect();
+        let mut anchored = Anchored::cubes(&along, |rank| stats(order[rank] as usize).anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
-            let cell = ranked(rank);
-            let (key, stats) = (cell.first_key(), cell.stats);
+            let given = order[rank] as usize;
+            let (key, stats) = (key(cells[given]), stats(given));
             let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
@@ -115,7 +116,7 @@ impl Field {
             rayon::join(|| Level::all(&along, &wide, LEVELS), of_cells);
         let (middles, keys): (_, Vec<[i32; 3]>) = places;
         if strange.into_inner() {
-            let strange = (0..cells).find(|at| Sums::of(&cell(*at).stats).is_none());
+            let strange = (0..cells.len()).find(|at| Sums::of(&stats(*at)).is_none());
             return Err(RegionsError::Cell { cell: strange.unwrap_or(0) });
         }
         let is_wide = |rank: usize| wide.get(rank) == Some(&true);
@@ -126,7 +127,7 @@ impl Field {
         };
         let twice = keys.windows(2).enumerate().filter(is_twice).count();
         if twice > 0 {
-            return Err(RegionsError::SameKey { cells, places: cells - twice });
+            return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
         }
         anchored.sums = about;
         let (bounded, turned) = (Vec::new(), Vec::new());

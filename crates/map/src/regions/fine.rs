@@ -1,7 +1,7 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Cell, Field, Found, RegionsError, Sample, Samples};
+use terrace_regions::{Field, Found, RegionsError, Sample, Samples};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -19,6 +19,8 @@ pub(crate) struct Fine<'m> {
     coarse: &'m Coarse,
     samples: &'m Samples,
     cells: Vec<Source>,
+    /// The key of each, and whether it is a whole one.
+    keys: Vec<([i32; 3], bool)>,
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
     /// Samples of the points of whole cells.
@@ -57,6 +59,7 @@ impl<'m> Fine<'m> {
             coarse,
             samples,
             cells: Vec::with_capacity(grid.len()),
+            keys: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
             of_whole: None,
             places: Places::default(),
@@ -76,6 +79,7 @@ impl<'m> Fine<'m> {
                     let whole = u32::try_from(whole_places.len()).unwrap_or(u32::MAX);
                     whole_places.push(place);
                     fine.cells.push(Source::Whole(whole));
+                    fine.keys.push((cell.key(), true));
                     fine.of.push(*of);
                     whole
                 });
@@ -88,6 +92,7 @@ impl<'m> Fine<'m> {
             places.push(place.filter(|_| usable));
             if usable {
                 fine.cells.push(Source::Half(cell.id()));
+                fine.keys.push((cell.key(), false));
                 fine.of.push(*of);
                 fine.points += cell.density();
             }
@@ -101,25 +106,17 @@ impl<'m> Fine<'m> {
 
     /// The cells laid out for regions to grow over.
     pub(crate) fn field(&self) -> Result<Field, RegionsError> {
-        let cell = |at: usize| {
-            // All are cells of the grids.
-            self.cell(at).unwrap_or(Cell { key: [0; 3], is_wide: false, stats: Stats::new([0.0; 3]) })
-        };
-        Field::of_each(self.cells.len(), cell, self.grid.cell_size())
+        // All are cells of the grids.
+        let stats = |at: usize| self.stats(at).unwrap_or(Stats::new([0.0; 3]));
+        Field::of_each(&self.keys, stats, self.grid.cell_size())
     }
 
-    #[inline]
-    fn cell(&self, at: usize) -> Option<Cell> {
-        Some(match self.cells.get(at)? {
-            Source::Half(id) => {
-                let cell = self.grid.get(*id)?;
-                Cell { key: cell.key(), is_wide: false, stats: cell.stats() }
-            }
-            Source::Whole(_) => {
-                let cell = self.coarse.grid.get(*self.of.get(at)?)?;
-                Cell { key: cell.key().map(|k| k << 1), is_wide: true, stats: cell.stats() }
-            }
-        })
+    fn stats(&self, at: usize) -> Option<Stats> {
+        match self.cells.get(at)? {
+            Source::Half(id) => self.grid.get(*id),
+            Source::Whole(_) => self.coarse.grid.get(*self.of.get(at)?),
+        }
+        .map(|cell| cell.stats())
     }
 
     /// The sample of the points of the cell at a place.
@@ -136,8 +133,8 @@ impl<'m> Fine<'m> {
     pub(crate) fn find_errors(&self, field: &mut Field, errors: &mut Errors) -> Result<(), RegionsError> {
         errors.find_level(field, &self.of);
         field.set_noise(|at| {
-            self.cell(at).map_or(SymmetricMatrix3::ZERO, |cell| {
-                errors.of_place(&cell.stats, self.of[at]) * cell.stats.count() as f64
+            self.stats(at).map_or(SymmetricMatrix3::ZERO, |stats| {
+                errors.of_place(&stats, self.of[at]) * stats.count() as f64
             })
         })
     }
@@ -211,13 +208,12 @@ mod tests {
         assert!(fine(&sharp).places.0.is_empty());
         let blurred = mapper(0.0201);
         let fine = fine(&blurred);
-        let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| fine.cell(*at).unwrap().is_wide).collect();
+        let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| fine.keys[*at].1).collect();
         assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
         for at in 0..fine.cells.len() {
-            let cell = fine.cell(at).unwrap();
             let sample: Vec<[f32; 3]> = fine.sample(at).places().collect();
-            let points = cell.stats.count();
-            assert_eq!((points, cell.is_wide), if wide.contains(&at) { (100, true) } else { (25, false) });
+            let points = fine.stats(at).unwrap().count();
+            assert_eq!((points, fine.keys[at].1), if wide.contains(&at) { (100, true) } else { (25, false) });
             assert!((1..=16).contains(&sample.len()));
             for place in sample {
                 let inside = |i: usize| f64::from(place[i]).abs() <= 0.5 * CELL;
