@@ -88,7 +88,9 @@ fn profile(points: usize) -> Outcome<()> {
         let mut samples = Samples::new(grid.place_unit());
         let number = |cell: &Option<CellId>| cell.and_then(|cell| u32::try_from(cell.index()).ok());
         for (cells, places) in &kept {
-            samples.push_all(|at| number(&cells[at]), places);
+            let mut packed = Vec::with_capacity(places.len());
+            samples.pack(places, &mut packed);
+            samples.push_all(|at| number(&cells[at]), &packed);
         }
         done(&mut best)?;
         black_box(grid.halved()?);

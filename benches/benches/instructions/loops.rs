@@ -134,7 +134,9 @@ impl Gridded {
 
     fn samples(&self) -> Samples {
         let mut samples = Samples::new(self.grid.place_unit());
-        samples.push_all(|point| self.cell(point), &self.places);
+        let mut packed = Vec::with_capacity(self.places.len());
+        samples.pack(&self.places, &mut packed);
+        samples.push_all(|point| self.cell(point), &packed);
         samples
     }
 

@@ -1,33 +1,7 @@
 //! Places of points in six bytes each.
 
-/// Added to a number of up to 22 bits it rounds it to an integer, which is in the lowest bits then.
-const ROUNDING: f32 = 1.5 * (1_u32 << 23) as f32;
-
-/// Places from the anchors of their cells, in units of the grid: all points of a map are kept so, and most of the memory that they need would
-/// else be zeroes.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Packed(Vec<[i16; 3]>);
-
-impl Packed {
-    pub(crate) fn with_capacity(points: usize) -> Self {
-        Self(Vec::with_capacity(points))
-    }
-
-    /// Appends places that are whole multiples of the unit.
-    pub(crate) fn extend(&mut self, places: &[[f32; 3]], unit: f64) {
-        let per_unit = single(1.0 / unit);
-        // The lowest bits are the integer.
-        #[allow(clippy::cast_possible_truncation)]
-        let packed = |x: f32| ((x * per_unit + ROUNDING).to_bits() as u16).cast_signed();
-        self.0.extend(places.iter().map(|place| place.map(packed)));
-    }
-
-    pub(crate) fn of(&self) -> &[[i16; 3]] {
-        &self.0
-    }
-}
-
-/// The places as they were.
+/// The places as they were before [`Samples`](terrace_regions::Samples) packed them: all points of a map are kept so, and most of the memory that
+/// they need would else be zeroes.
 pub(crate) fn unpacked(packed: &[[i16; 3]], unit: f64) -> impl Iterator<Item = [f32; 3]> {
     let unit = single(unit);
     packed.iter().map(move |place| place.map(|x| f32::from(x) * unit))
@@ -44,6 +18,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use terrace_grid::{PointErrors, VoxelGrid};
+    use terrace_regions::Samples;
 
     proptest! {
         #[test]
@@ -60,9 +35,9 @@ mod tests {
             }.unwrap();
             let (mut cells, mut places) = (Vec::new(), Vec::new());
             grid.insert_all(&points, PointErrors::None, &mut cells, Some(&mut places)).unwrap();
-            let mut packed = Packed::with_capacity(points.len());
-            packed.extend(&places, grid.place_unit());
-            let again: Vec<[f32; 3]> = unpacked(packed.of(), grid.place_unit()).collect();
+            let mut packed = Vec::new();
+            Samples::new(grid.place_unit()).pack(&places, &mut packed);
+            let again: Vec<[f32; 3]> = unpacked(&packed, grid.place_unit()).collect();
             prop_assert_eq!(&again, &places);
             // And are those of the points.
             for ((point, place), cell) in points.iter().zip(&places).zip(&cells) {

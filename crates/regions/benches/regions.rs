@@ -83,7 +83,9 @@ fn regions(c: &mut Criterion) {
 
     let sampled = || {
         let mut samples = Samples::new(UNIT);
-        samples.push_all(|point| cell_of[point], &places);
+        let mut packed = Vec::with_capacity(places.len());
+        samples.pack(&places, &mut packed);
+        samples.push_all(|point| cell_of[point], &packed);
         samples
     };
     let samples = sampled();

@@ -15,7 +15,9 @@ pub(crate) fn samples_of(points: Points) -> Samples {
     let places = points.places.iter().filter(|place| finite(place));
     let farthest = places.flatten().fold(1e-30_f32, |farthest, x| x.abs().max(farthest));
     let mut samples = Samples::new((f64::from(farthest).log2().floor() - 14.0).exp2());
-    samples.push_all(|at| points.cells[at].filter(|_| finite(&points.places[at])), points.places);
+    let mut packed = Vec::with_capacity(points.places.len());
+    samples.pack(points.places, &mut packed);
+    samples.push_all(|at| points.cells[at].filter(|_| finite(&points.places[at])), &packed);
     samples
 }
 

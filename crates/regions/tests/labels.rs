@@ -23,7 +23,9 @@ fn corner(seed: u64) -> Scene {
 
 fn found(sorted: &Sorted) -> Found {
     let mut samples = Samples::new(EDGE / f64::from(1 << 16));
-    samples.push_all(|point| sorted.cell_of[point], &sorted.places);
+    let mut packed = Vec::new();
+    samples.pack(&sorted.places, &mut packed);
+    samples.push_all(|point| sorted.cell_of[point], &packed);
     let field = Field::of(&sorted.cells, EDGE).unwrap();
     find(
         field,

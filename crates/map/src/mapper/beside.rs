@@ -50,9 +50,10 @@ struct Behind<'m> {
     samples: Option<&'m mut Samples>,
     /// Where it is asked for.
     seen: Option<&'m mut Seen>,
-    /// Where points are kept, and in what unit.
+    /// Where points are kept.
     kept: Option<&'m mut Kept>,
-    unit: f64,
+    /// Places on their way into the samples, where they are not.
+    scratch: Vec<[i16; 3]>,
 }
 
 impl Mapper {
@@ -63,10 +64,13 @@ impl Mapper {
         let keeps = self.seen.is_none();
         let grows = self.params.grows().is_some();
         let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
-        let unit = grid.place_unit();
         let seen = seen.as_mut().filter(|_| matters);
-        let behind =
-            Mutex::new(Behind { samples: samples.as_mut(), seen, kept: keeps.then_some(&mut kept), unit });
+        let behind = Mutex::new(Behind {
+            samples: samples.as_mut(),
+            seen,
+            kept: keeps.then_some(&mut kept),
+            scratch: Vec::new(),
+        });
         let front = Mutex::new(Front { grid, places: grows, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
         let parts: [Mutex<Part>; ROOM] = Default::default();
@@ -106,15 +110,21 @@ impl Front<'_> {
 impl Behind<'_> {
     fn take(&mut self, part: &Part) {
         let Part { cells, places, .. } = part;
+        let (keeps, scratch) = (self.kept.is_some(), &mut self.scratch);
+        let packed = self.kept.as_mut().map_or(scratch, |kept| &mut kept.places);
+        if !keeps {
+            packed.clear();
+        }
         if let Some(samples) = &mut self.samples {
-            samples.push_alone(|at| number(cells[at]), places);
+            let begin = packed.len();
+            samples.pack(places, packed);
+            samples.push_alone(|at| number(cells[at]), &packed[begin..]);
         }
         if let Some(seen) = &mut self.seen {
             seen.push(cells);
         }
         if let Some(kept) = &mut self.kept {
             kept.cells.extend_from_slice(cells);
-            kept.places.extend(places, self.unit);
         }
     }
 }

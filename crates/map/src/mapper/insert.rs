@@ -9,7 +9,6 @@ use terrace_types::Scan;
 
 use super::{Kept, Mapper, View};
 use crate::cell_size::choose_from;
-use crate::packed::Packed;
 use crate::world::World;
 use crate::{InsertError, Inserted, Weighting};
 
@@ -136,14 +135,13 @@ impl Mapper {
             if let Some(seen) = self.seen.as_mut().filter(|_| matters) {
                 seen.push(&kept.cells);
             }
-            if grows {
-                let cells = &kept.cells[begin..];
-                if let Some(samples) = &mut self.samples {
-                    samples.push_all(|at| number(cells[at]), &places);
+            if let Some(samples) = self.samples.as_mut().filter(|_| grows) {
+                if self.seen.is_some() {
+                    kept.places.clear();
                 }
-                if self.seen.is_none() {
-                    kept.places.extend(&places, grid.place_unit());
-                }
+                let (cells, first) = (&kept.cells[begin..], kept.places.len());
+                samples.pack(&places, &mut kept.places);
+                samples.push_all(|at| number(cells[at]), &kept.places[first..]);
             }
         }
         if self.seen.is_none() {
@@ -164,7 +162,7 @@ impl Mapper {
         let places = if self.params.grows().is_some() { room } else { 0 };
         Kept {
             cells: Vec::with_capacity(room),
-            places: Packed::with_capacity(places),
+            places: Vec::with_capacity(places),
             view: self.views.len().saturating_sub(1),
         }
     }

@@ -13,7 +13,6 @@ use std::sync::OnceLock;
 use terrace_grid::{CellId, GridError, VoxelGrid};
 use terrace_regions::Samples;
 
-use crate::packed::Packed;
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
 
@@ -56,8 +55,8 @@ pub(crate) struct Coarse {
 pub(crate) struct Kept {
     /// The fine cell; `None` for points that were left out.
     pub(crate) cells: Vec<Option<CellId>>,
-    /// Where it is, from the centre of its voxel, where labels are those of points.
-    pub(crate) places: Packed,
+    /// Where it is, from the centre of its voxel in whole units, where labels are those of points.
+    pub(crate) places: Vec<[i16; 3]>,
     /// The number of the scan.
     pub(crate) view: usize,
 }

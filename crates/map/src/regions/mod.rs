@@ -17,7 +17,7 @@ use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::face_sensors;
 use crate::first::used_of;
 use crate::nodes::Nodes;
-use crate::packed::{Packed, unpacked};
+use crate::packed::unpacked;
 use crate::{
     CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
 };
@@ -148,13 +148,11 @@ impl<'m> Grown<'m> {
     fn label(
         &self,
         cells: &[Option<CellId>],
-        places: &Packed,
+        places: &[[i16; 3]],
         labels: &mut [Option<PlaneId>],
     ) -> Vec<Measure> {
-        let parts = cells
-            .par_chunks(AT_ONCE)
-            .zip(places.of().par_chunks(AT_ONCE))
-            .zip(labels.par_chunks_mut(AT_ONCE));
+        let parts =
+            cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
         let unit = self.mapper.fine().map_or(1.0, VoxelGrid::place_unit);
         let of_parts: Vec<Vec<Measure>> = parts
             .map(|((cells, packed), labels)| {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::SampleError;
 use stripe::{MOST, MOST_HALVINGS, Stripe};
-use units::{Batch, Packed, Unit, scrambled};
+use units::{Packed, Unit, scrambled};
 
 pub use stripe::Sample;
 
@@ -58,8 +58,14 @@ impl Samples {
         self.stripes[stripe].push(at, packed, scrambled(self.unit.unpacked(packed)), self.unit);
     }
 
-    /// Adds many points on all threads of the rayon pool; `cells` tells the cell of the point at a place of the list, if it is of one.
-    pub fn push_all(&mut self, cells: impl Fn(usize) -> Option<u32> + Sync, places: &[[f32; 3]]) {
+    /// Appends places as they are kept: in whole units, each of 16 bits.
+    pub fn pack(&self, places: &[[f32; 3]], to: &mut Vec<[i16; 3]>) {
+        self.unit.pack(places, to);
+    }
+
+    /// Adds many points on all threads of the rayon pool; `cells` tells the cell of the point at a place of the list, if it is of one, and
+    /// places are [packed](Self::pack).
+    pub fn push_all(&mut self, cells: impl Fn(usize) -> Option<u32> + Sync, places: &[[i16; 3]]) {
         let share = STRIPES.div_ceil(rayon::current_num_threads().clamp(1, STRIPES));
         if share == STRIPES {
             return self.push_alone(cells, places);
@@ -77,7 +83,7 @@ impl Samples {
     }
 
     /// As [`push_all`](Self::push_all), on the calling thread.
-    pub fn push_alone(&mut self, cells: impl Fn(usize) -> Option<u32>, places: &[[f32; 3]]) {
+    pub fn push_alone(&mut self, cells: impl Fn(usize) -> Option<u32>, places: &[[i16; 3]]) {
         for_each(self.unit, cells, places, |cell, place, scrambled| {
             let (stripe, at) = home(cell);
             self.stripes[stripe].push(at, place, scrambled, self.unit);
@@ -179,16 +185,15 @@ fn home(cell: u32) -> (usize, usize) {
 fn for_each(
     unit: Unit,
     cells: impl Fn(usize) -> Option<u32>,
-    places: &[[f32; 3]],
+    places: &[Packed],
     mut take: impl FnMut(u32, Packed, u32),
 ) {
-    let mut batch = Batch::<BATCH>::EMPTY;
+    let mut scrambled = [0; BATCH];
     for (number, places) in places.chunks(BATCH).enumerate() {
-        unit.pack(places, &mut batch);
-        let (packed, scrambled) = (&batch.packed[..places.len()], &batch.scrambled[..places.len()]);
-        for (at, (packed, scrambled)) in packed.iter().zip(scrambled).enumerate() {
+        unit.scramble_some(places, &mut scrambled);
+        for (at, (place, scrambled)) in places.iter().zip(&scrambled).enumerate() {
             if let Some(cell) = cells(number * BATCH + at) {
-                take(cell, *packed, *scrambled);
+                take(cell, *place, *scrambled);
             }
         }
     }
@@ -346,9 +351,11 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut together = Samples::new(UNIT);
                 let cell = |at: usize| u32::try_from(at % 11).ok();
-                pool.install(|| together.push_all(cell, &places));
+                let mut packed = Vec::new();
+                together.pack(&places, &mut packed);
+                pool.install(|| together.push_all(cell, &packed));
                 let mut alone = Samples::new(UNIT);
-                alone.push_alone(cell, &places);
+                alone.push_alone(cell, &packed);
                 let mut single = Samples::new(UNIT);
                 places.iter().zip(0..).for_each(|(place, k)| single.push(k % 11, *place));
                 for cell in 0..11 {

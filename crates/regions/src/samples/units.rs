@@ -3,6 +3,9 @@
 /// Added to a number of up to 22 bits it rounds it to an integer, which is in the lowest bits then.
 const ROUNDING: f32 = 1.5 * (1_u32 << 23) as f32;
 
+/// Places that are packed at once: they stay in the nearest cache.
+const BATCH: usize = 256;
+
 /// A place in whole units.
 pub(crate) type Packed = [i16; 3];
 
@@ -27,7 +30,7 @@ impl Unit {
     }
 
     pub(super) fn packed(self, place: [f32; 3]) -> Packed {
-        place.map(|x| self.rounded(x).0)
+        place.map(|x| self.rounded(x))
     }
 
     // Into what it is dispatched to.
@@ -37,27 +40,35 @@ impl Unit {
         packed.map(|x| f32::from(x) * self.unit)
     }
 
-    /// A coordinate in units, the nearest of 16 bits, and in metres again.
+    /// A coordinate in units, the nearest of 16 bits.
     // Into what it is dispatched to.
     #[allow(clippy::inline_always)]
     #[inline(always)]
-    fn rounded(self, x: f32) -> (i16, f32) {
+    fn rounded(self, x: f32) -> i16 {
         // What is no number is as far as can be: `max` gives the other.
         let units = (x * self.per_unit).max(f32::from(i16::MIN)).min(f32::from(i16::MAX)) + ROUNDING;
         // The lowest bits are the integer.
         #[allow(clippy::cast_possible_truncation)]
-        let packed = (units.to_bits() as u16).cast_signed();
-        (packed, (units - ROUNDING) * self.unit)
+        let packed = units.to_bits() as u16;
+        packed.cast_signed()
     }
 
-    /// Packs places and scrambles them, several at a time.
-    pub(super) fn pack<const N: usize>(self, places: &[[f32; 3]], to: &mut Batch<N>) {
+    /// Packs places, several at a time, and appends them.
+    pub(super) fn pack(self, places: &[[f32; 3]], to: &mut Vec<Packed>) {
+        let mut batch = [[0; 3]; BATCH];
+        for places in places.chunks(BATCH) {
+            pulp::Arch::new().dispatch(|| {
+                let all = batch.as_flattened_mut().iter_mut().zip(places.as_flattened());
+                all.for_each(|(packed, x)| *packed = self.rounded(*x));
+            });
+            to.extend_from_slice(&batch[..places.len()]);
+        }
+    }
+
+    /// As [`scramble`](Self::scramble), so many as there are.
+    pub(super) fn scramble_some(self, packed: &[Packed], to: &mut [u32]) {
         pulp::Arch::new().dispatch(|| {
-            let all = to.packed.as_flattened_mut().iter_mut().zip(to.places.as_flattened_mut());
-            for (x, (packed, rounded)) in places.as_flattened().iter().zip(all) {
-                (*packed, *rounded) = self.rounded(*x);
-            }
-            to.scrambled.iter_mut().zip(&to.places).for_each(|(to, place)| *to = scrambled(*place));
+            to.iter_mut().zip(packed).for_each(|(to, packed)| *to = scrambled(self.unpacked(*packed)));
         });
     }
 
@@ -65,17 +76,6 @@ impl Unit {
     pub(super) fn scramble<const N: usize>(self, packed: &[Packed; N]) -> [u32; N] {
         pulp::Arch::new().dispatch(|| packed.map(|packed| scrambled(self.unpacked(packed))))
     }
-}
-
-/// Places on their way into the samples.
-pub(super) struct Batch<const N: usize> {
-    pub(super) packed: [Packed; N],
-    places: [[f32; 3]; N],
-    pub(super) scrambled: [u32; N],
-}
-
-impl<const N: usize> Batch<N> {
-    pub(super) const EMPTY: Self = Self { packed: [[0; 3]; N], places: [[0.0; 3]; N], scrambled: [0; N] };
 }
 
 /// A number that looks drawn at random, and is the same for the same place.
@@ -112,18 +112,22 @@ mod tests {
             unit in (-13.0..0.0_f64).prop_map(f64::exp2),
         ) {
             let unit = Unit::new(unit);
-            let mut batch = Batch::<40>::EMPTY;
-            unit.pack(&places, &mut batch);
-            let again = unit.scramble(&batch.packed);
+            let (mut all, mut some) = (vec![[7; 3]], [0; 40]);
+            unit.pack(&places, &mut all);
+            unit.scramble_some(&all[1..], &mut some);
+            let mut fixed = [[0; 3]; 40];
+            fixed[..places.len()].copy_from_slice(&all[1..]);
+            let again = unit.scramble(&fixed);
             for (at, place) in places.iter().enumerate() {
                 let packed = unit.packed(*place);
-                prop_assert_eq!(batch.packed[at], packed);
+                prop_assert_eq!(all[at + 1], packed);
                 let near = unit.unpacked(packed);
                 prop_assert_eq!(unit.packed(near), packed);
-                prop_assert_eq!(batch.scrambled[at], scrambled(near));
+                prop_assert_eq!(some[at], scrambled(near));
                 prop_assert_eq!(again[at], scrambled(near));
                 for (x, near) in place.iter().zip(near) {
-                    prop_assert!((x - near).abs() <= 0.5001 * unit.metres());
+                    // A unit that is no power of two is rounded itself.
+                    prop_assert!((x - near).abs() <= 0.51 * unit.metres());
                 }
             }
         }
