@@ -3,6 +3,9 @@
 /// Added to a number of up to 22 bits it rounds it to an integer, which is in the lowest bits then.
 const ROUNDING: f32 = 1.5 * (1_u32 << 23) as f32;
 
+/// Places that are packed at once: they stay in the nearest cache.
+const BATCH: usize = 256;
+
 /// Places from the anchors of their cells, in units of the grid: all points of a map are kept so, and most of the memory that they need would
 /// else be zeroes.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -16,10 +19,19 @@ impl Packed {
     /// Appends places that are whole multiples of the unit.
     pub(crate) fn extend(&mut self, places: &[[f32; 3]], unit: f64) {
         let per_unit = single(1.0 / unit);
-        // The lowest bits are the integer.
-        #[allow(clippy::cast_possible_truncation)]
-        let packed = |x: f32| ((x * per_unit + ROUNDING).to_bits() as u16).cast_signed();
-        self.0.extend(places.iter().map(|place| place.map(packed)));
+        let mut batch = [[0; 3]; BATCH];
+        for places in places.chunks(BATCH) {
+            // The same instructions, for more numbers at a time where the processor can.
+            pulp::Arch::new().dispatch(|| {
+                for (to, x) in batch.as_flattened_mut().iter_mut().zip(places.as_flattened()) {
+                    // The lowest bits are the integer.
+                    #[allow(clippy::cast_possible_truncation)]
+                    let packed = (x * per_unit + ROUNDING).to_bits() as u16;
+                    *to = packed.cast_signed();
+                }
+            });
+            self.0.extend_from_slice(&batch[..places.len()]);
+        }
     }
 
     pub(crate) fn of(&self) -> &[[i16; 3]] {
