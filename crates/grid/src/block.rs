@@ -16,7 +16,7 @@ pub(crate) const VOXELS: usize = 1 << (3 * BITS);
 pub(crate) const PARTS: usize = 128;
 
 /// Places for blocks that are remembered.
-pub(crate) const RECENT: usize = 8;
+pub(crate) const RECENT: usize = 64;
 
 /// Index of a block along x, y and z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +35,8 @@ impl BlockKey {
     /// Where it is remembered: not where any of the blocks are that share a face, an edge or a corner with it.
     #[inline]
     pub(crate) fn recent(self) -> usize {
-        let [x, y, z] = self.0.map(|k| k.cast_unsigned() & 1);
-        (x | y << 1 | z << 2) as usize
+        let [x, y, z] = self.0.map(|k| k.cast_unsigned() & 3);
+        (x | y << 2 | z << 4) as usize
     }
 
     /// The same for every grid and every run.

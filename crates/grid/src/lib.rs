@@ -39,6 +39,7 @@
 //! further than [`MAX_INDEX`] voxels from the origin: see [`GridError`]. Nothing panics on such input, and a refused
 //! point leaves the grid as it was. A grid holds at most 2³² − 2 cells.
 
+mod ahead;
 mod assignment;
 mod block;
 mod bulk;
