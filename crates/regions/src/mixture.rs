@@ -46,6 +46,7 @@ struct Work<'s> {
     parts: Vec<Part>,
     scores: Vec<f32>,
     samples: Vec<Sample<'s>>,
+    packed: Vec<[i16; 3]>,
     /// The places of these, one after the other, and where each begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
@@ -317,22 +318,16 @@ impl<'s> Work<'s> {
     /// Finds the places of samples of the cells that are looked at, the first of all being of this number. Step by step: so the memory of
     /// one is not waited for before that of the next is asked for.
     fn unpack<S: Fn(usize) -> Sample<'s> + Sync>(&mut self, mixture: &Mixture<'_, S>, first: usize) {
-        let Self { todo, samples, places, starts, .. } = self;
+        let Self { todo, samples, packed, places, starts, .. } = self;
         samples.clear();
         samples.extend(todo.iter().map(|at| (mixture.samples)(first + at)));
-        places.clear();
-        starts.clear();
-        pulp::Arch::new().dispatch(|| {
-            for (at, sample) in todo.iter().zip(&*samples) {
-                starts.push(places.len());
-                sample.append(places);
-                if sample.is_empty() {
-                    // A cell has points.
-                    places.extend_from_slice(mixture.field.middle(first + at));
-                }
+        Sample::unpack(samples, packed, places, starts);
+        // A cell has points.
+        for ((at, start), sample) in todo.iter().zip(&*starts).zip(&*samples) {
+            if let (true, [middle]) = (sample.is_empty(), mixture.field.middle(first + at)) {
+                places[*start] = *middle;
             }
-        });
-        starts.push(places.len());
+        }
     }
 }
 

@@ -208,9 +208,15 @@ mod tests {
 
     fn kept(samples: &Samples, cell: u32) -> Vec<[f32; 3]> {
         let kept: Vec<[f32; 3]> = samples.of(cell).collect();
-        let mut appended = vec![[9.0; 3]];
-        samples.sample(cell).append(&mut appended);
-        assert_eq!(appended[1..], kept);
+        // Beside one of another unit, and one without points.
+        let mut other = Samples::new(0.5);
+        other.push(0, [1.5, -2.0, 0.5]);
+        let all = [other.sample(0), samples.sample(cell), Sample::EMPTY];
+        let (mut places, mut starts) = (vec![[9.0; 3]; 2], vec![7]);
+        Sample::unpack(&all, &mut vec![[9; 3]], &mut places, &mut starts);
+        let own = if kept.is_empty() { &[[0.0; 3]][..] } else { &kept };
+        assert_eq!(places, [&[[1.5, -2.0, 0.5]], own, &[[0.0; 3]]].concat());
+        assert_eq!(starts, [0, 1, 1 + own.len(), 2 + own.len()]);
         kept
     }
 

@@ -67,16 +67,44 @@ impl<'s> Sample<'s> {
         self.count == 0
     }
 
-    /// Appends the places to a list.
-    // Into what it is dispatched to.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    pub(crate) fn append(&self, to: &mut Vec<[f32; 3]>) {
+    /// Appends the packed places to a list.
+    #[inline]
+    fn append(&self, to: &mut Vec<Packed>) {
         // All that there may be: a number that is known beforehand is faster than a smaller one.
         let after = to.len() + usize::from(self.count);
-        to.extend_from_slice(&self.few.map(|packed| self.unit.unpacked(packed)));
-        to.extend_from_slice(&self.more.map(|packed| self.unit.unpacked(packed)));
+        to.extend_from_slice(self.few);
+        to.extend_from_slice(self.more);
         to.truncate(after);
+    }
+
+    /// Puts the places of samples one after the other, one place of zeroes for a sample without, and tells where each begins and the last
+    /// ends. `packed` is memory to work with: many are unpacked at once.
+    pub(crate) fn unpack(
+        samples: &[Self],
+        packed: &mut Vec<Packed>,
+        places: &mut Vec<[f32; 3]>,
+        starts: &mut Vec<usize>,
+    ) {
+        packed.clear();
+        starts.clear();
+        for sample in samples {
+            starts.push(packed.len());
+            sample.append(packed);
+            if sample.is_empty() {
+                packed.push([0; 3]);
+            }
+        }
+        starts.push(packed.len());
+        places.resize(packed.len(), [0.0; 3]);
+        let mut first = 0;
+        // Mostly all have one unit.
+        for of_unit in samples.chunk_by(|a, b| a.unit == b.unit) {
+            let range = starts[first]..starts[first + of_unit.len()];
+            first += of_unit.len();
+            if let Some(sample) = of_unit.first() {
+                sample.unit.unpack(&packed[range.clone()], &mut places[range]);
+            }
+        }
     }
 }
 

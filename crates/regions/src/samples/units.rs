@@ -10,7 +10,7 @@ const BATCH: usize = 256;
 pub(crate) type Packed = [i16; 3];
 
 /// What places are whole multiples of, in metres, and its inverse.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unit {
     unit: f32,
     per_unit: f32,
@@ -38,6 +38,14 @@ impl Unit {
     #[inline(always)]
     pub(super) fn unpacked(self, packed: Packed) -> [f32; 3] {
         packed.map(|x| f32::from(x) * self.unit)
+    }
+
+    /// Unpacks many places, several at a time, into a list of as many.
+    pub(super) fn unpack(self, packed: &[Packed], to: &mut [[f32; 3]]) {
+        pulp::Arch::new().dispatch(|| {
+            let all = packed.as_flattened().iter().zip(to.as_flattened_mut());
+            all.for_each(|(packed, x)| *x = f32::from(*packed) * self.unit);
+        });
     }
 
     /// A coordinate in units, the nearest of 16 bits.
