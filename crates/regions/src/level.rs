@@ -85,7 +85,11 @@ impl Level {
                 let mut places = Places::around(parents.keys[parent]);
                 for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
                     for group in child(other as usize) {
-                        places.put(group, keys[group as usize], is_wide(group));
+                        if wide.is_empty() {
+                            places.put(group, keys[group as usize]);
+                        } else {
+                            places.put_any(group, keys[group as usize], is_wide(group));
+                        }
                     }
                 }
                 for group in child(parent) {

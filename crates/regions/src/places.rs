@@ -23,7 +23,7 @@ pub(crate) struct Places {
     from: [u32; 3],
     /// The last is for what is in none of them.
     children: [u32; 65],
-    /// All that are in one of them, each once.
+    /// All that are in one of them, each once; where some may be wide.
     found: [u32; 65],
     count: usize,
     /// Whether one of them is in several.
@@ -37,8 +37,14 @@ impl Places {
         Self { from, children: [NONE; 65], found: [NONE; 65], count: 0, some_wide: false }
     }
 
-    /// Puts a child of the group, or of one that it touches, where it is: a wide one into all places of its parent's children.
-    pub(crate) fn put(&mut self, child: u32, key: [u32; 3], is_wide: bool) {
+    /// Puts a child of the group, or of one that it touches, where it is, if none of all is wide.
+    #[inline]
+    pub(crate) fn put(&mut self, child: u32, key: [u32; 3]) {
+        self.set(self.place(key), child);
+    }
+
+    /// As [`put`](Self::put), where some may be wide: those are in all places of their parent's children.
+    pub(crate) fn put_any(&mut self, child: u32, key: [u32; 3], is_wide: bool) {
         let [x, y, z] = self.place(key);
         let mut is_in = self.set([x, y, z], child);
         if is_wide {
