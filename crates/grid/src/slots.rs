@@ -2,18 +2,16 @@
 
 use std::ops::{Index, IndexMut};
 
-use terrace_stats::Moments;
-
 use crate::cell::Slot;
 
-/// Slots of a page: so few that those which stay empty are little, and so many that pages are seldom made.
-const PAGE: usize = 32;
+/// Slots of a page. What is not used of the last one is not touched either.
+const PAGE: usize = 256;
 
 /// What is kept of cells, by the number of their slot. None is moved when more come: a list that grows would be copied again and again,
 /// into memory that is touched for the first time.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Slots {
-    pages: Vec<Box<[Slot; PAGE]>>,
+    pages: Vec<Vec<Slot>>,
     len: usize,
 }
 
@@ -23,18 +21,17 @@ impl Slots {
     }
 
     pub(crate) fn push(&mut self, slot: Slot) {
-        let at = self.len % PAGE;
-        if at == 0 {
-            self.pages.push(Box::new([Slot { key: [0; 3], moments: Moments::EMPTY }; PAGE]));
+        if self.len.is_multiple_of(PAGE) {
+            self.pages.push(Vec::with_capacity(PAGE));
         }
         if let Some(page) = self.pages.last_mut() {
-            page[at] = slot;
+            page.push(slot);
             self.len += 1;
         }
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Slot> {
-        self.pages.iter().flat_map(|page| page.iter()).take(self.len)
+        self.pages.iter().flatten()
     }
 }
 
@@ -57,6 +54,8 @@ impl IndexMut<u32> for Slots {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrace_stats::Moments;
+
 
     #[test]
     fn slots_are_where_they_were_put() {
