@@ -71,23 +71,13 @@ impl Samples {
             return self.push_alone(cells, places);
         }
         let unit = self.unit;
-        let push = |(number, stripes): (usize, &mut [Stripe])| {
-            for_each(unit, &cells, places, |cell, place, scrambled| {
-                let (stripe, at) = home(cell);
-                if let Some(stripe) = stripes.get_mut(stripe.wrapping_sub(number * share)) {
-                    stripe.push(at, place, scrambled, unit);
-                }
-            });
-        };
-        self.stripes.par_chunks_mut(share).enumerate().for_each(push);
+        let shares = self.stripes.par_chunks_mut(share).enumerate();
+        shares.for_each(|(number, stripes)| push(stripes, number * share, unit, &cells, places));
     }
 
     /// As [`push_all`](Self::push_all), on the calling thread.
     pub fn push_alone(&mut self, cells: impl Fn(usize) -> Option<u32>, places: &[[i16; 3]]) {
-        for_each(self.unit, cells, places, |cell, place, scrambled| {
-            let (stripe, at) = home(cell);
-            self.stripes[stripe].push(at, place, scrambled, self.unit);
-        });
+        push(&mut self.stripes, 0, self.unit, cells, places);
     }
 
     /// The sample of a cell; empty for a cell without points.
@@ -180,21 +170,29 @@ fn home(cell: u32) -> (usize, usize) {
     (cell as usize % STRIPES, cell as usize / STRIPES)
 }
 
-/// Hands out the cell, the place and the scrambled place of each point that is of a cell.
-#[inline]
-fn for_each(
+/// Adds the points of cells in these stripes, of which the first has this number.
+fn push(
+    stripes: &mut [Stripe],
+    first: usize,
     unit: Unit,
     cells: impl Fn(usize) -> Option<u32>,
     places: &[Packed],
-    mut take: impl FnMut(u32, Packed, u32),
 ) {
-    let mut scrambled = [0; BATCH];
+    let (mut scrambled, mut taken) = ([0; BATCH], [(0, 0, 0); BATCH]);
     for (number, places) in places.chunks(BATCH).enumerate() {
         unit.scramble_some(places, &mut scrambled);
-        for (at, (place, scrambled)) in places.iter().zip(&scrambled).enumerate() {
-            if let Some(cell) = cells(number * BATCH + at) {
-                take(cell, *place, *scrambled);
-            }
+        // Whether a place stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
+        // is little and near.
+        let mut count = 0;
+        for (at, scrambled) in scrambled[..places.len()].iter().enumerate() {
+            let Some(cell) = cells(number * BATCH + at) else { continue };
+            let (stripe, home) = home(cell);
+            let stripe = stripe.wrapping_sub(first);
+            taken[count] = (at, stripe, home);
+            count += usize::from(stripes.get(stripe).is_some_and(|stripe| stripe.takes(home, *scrambled)));
+        }
+        for (at, stripe, home) in &taken[..count] {
+            stripes[*stripe].push(*home, places[*at], scrambled[*at], unit);
         }
     }
 }

@@ -21,6 +21,8 @@ const NONE: u32 = u32::MAX;
 #[repr(align(64))]
 pub(super) struct Stripe {
     cells: Vec<Box<[Kept; PAGE]>>,
+    /// Halvings of the threshold of each: apart, for they are looked at for points of which nothing else is.
+    halvings: Vec<u8>,
     /// Further places of the cells that have more than a few, in the order in which they had.
     more: Vec<Box<[More; PAGE]>>,
     /// How many cells have.
@@ -33,9 +35,7 @@ pub(super) struct Stripe {
 struct Kept {
     /// Where further places are.
     more: u32,
-    count: u8,
-    /// Halvings of the threshold.
-    halvings: u8,
+    count: u16,
     few: [Packed; FEW],
 }
 
@@ -47,7 +47,7 @@ pub struct Sample<'s> {
     few: &'s [Packed; FEW],
     more: &'s More,
     /// So many of the first, and of the others.
-    count: u8,
+    count: u16,
     unit: Unit,
 }
 
@@ -108,15 +108,28 @@ impl<'s> Sample<'s> {
     }
 }
 
+/// Scrambled places up to here are in a sample that was halved so often.
+#[inline]
+fn threshold(halvings: u8) -> u32 {
+    u32::MAX >> halvings
+}
+
 impl Stripe {
+    /// Whether a place would be in the sample of a cell now; one that would not never will be.
+    #[inline]
+    pub(super) fn takes(&self, at: usize, scrambled: u32) -> bool {
+        scrambled <= threshold(self.halvings.get(at).copied().unwrap_or(0))
+    }
+
     #[inline]
     pub(super) fn push(&mut self, at: usize, place: Packed, scrambled: u32, unit: Unit) {
-        let Some(kept) = self.cells.get_mut(at / PAGE).map(|page| &mut page[at % PAGE]) else {
+        let cell = self.cells.get_mut(at / PAGE).map(|page| &mut page[at % PAGE]);
+        let (Some(kept), Some(halvings)) = (cell, self.halvings.get_mut(at)) else {
             return self.push_anew(at, place, scrambled, unit);
         };
         // Whether a place stays cannot be predicted while a cell fills: there is no branch.
-        let stays = scrambled <= kept.threshold();
-        let (before, after) = (kept.count(), kept.count + u8::from(stays));
+        let stays = scrambled <= threshold(*halvings);
+        let (before, after) = (kept.count(), kept.count + u16::from(stays));
         if let Some(free) = kept.few.get_mut(before) {
             *free = place;
             kept.count = after;
@@ -134,7 +147,7 @@ impl Stripe {
         }
         kept.count = after;
         if usize::from(after) > MOST {
-            kept.make_room(more, unit);
+            kept.make_room(halvings, more, unit);
         }
     }
 
@@ -150,7 +163,7 @@ impl Stripe {
 
     /// How often the sample of a cell was halved, if there ever was one.
     pub(super) fn halvings(&self, at: usize) -> Option<u8> {
-        Some(self.get(at)?.halvings)
+        self.halvings.get(at).copied()
     }
 
     /// The sample of a cell.
@@ -172,18 +185,19 @@ impl Stripe {
         kept.few[..few.len()].copy_from_slice(few);
         // At most sixteen.
         #[allow(clippy::cast_possible_truncation)]
-        let count = places.len() as u8;
-        (kept.count, kept.halvings) = (count, halvings);
+        let count = places.len() as u16;
+        kept.count = count;
+        self.halvings[at] = halvings;
     }
 
     /// Halves the sample of a cell until it is halved so often.
     pub(super) fn halve(&mut self, at: usize, halvings: u8, unit: Unit) {
-        while self.get_or_new(at).halvings < halvings {
-            let kept = &mut self.cells[at / PAGE][at % PAGE];
-            let more = kept.more as usize;
-            let mut none = [[0; 3]; ROOM - FEW];
-            let more = self.more.get_mut(more / PAGE).map_or(&mut none, |page| &mut page[more % PAGE]);
-            kept.halve(more, unit);
+        let more = self.get_or_new(at).more as usize;
+        let (kept, done) = (&mut self.cells[at / PAGE][at % PAGE], &mut self.halvings[at]);
+        let mut none = [[0; 3]; ROOM - FEW];
+        let more = self.more.get_mut(more / PAGE).map_or(&mut none, |page| &mut page[more % PAGE]);
+        while *done < halvings {
+            kept.halve(done, more, unit);
         }
     }
 
@@ -194,6 +208,7 @@ impl Stripe {
     fn get_or_new(&mut self, at: usize) -> &mut Kept {
         if at / PAGE >= self.cells.len() {
             self.cells.resize_with(at / PAGE + 1, || Box::new([Kept::NONE; PAGE]));
+            self.halvings.resize(self.cells.len() * PAGE, 0);
         }
         &mut self.cells[at / PAGE][at % PAGE]
     }
@@ -215,32 +230,26 @@ impl Stripe {
 }
 
 impl Kept {
-    const NONE: Self = Self { more: NONE, count: 0, halvings: 0, few: [[0; 3]; FEW] };
+    const NONE: Self = Self { more: NONE, count: 0, few: [[0; 3]; FEW] };
 
     fn count(&self) -> usize {
         self.count.into()
     }
 
-    /// Scrambled places up to here are in the sample.
-    #[inline]
-    fn threshold(&self) -> u32 {
-        u32::MAX >> self.halvings
-    }
-
     /// Halves the threshold until there is room for what was just counted; one place again and again is not kept without end.
     #[inline(never)]
-    fn make_room(&mut self, more: &mut More, unit: Unit) {
-        while usize::from(self.count) > MOST && self.halvings < MOST_HALVINGS {
-            self.halve(more, unit);
+    fn make_room(&mut self, halvings: &mut u8, more: &mut More, unit: Unit) {
+        while usize::from(self.count) > MOST && *halvings < MOST_HALVINGS {
+            self.halve(halvings, more, unit);
         }
         if usize::from(self.count) > MOST {
             self.count -= 1;
         }
     }
 
-    fn halve(&mut self, more: &mut More, unit: Unit) {
-        self.halvings += 1;
-        let (threshold, few, others) = (self.threshold(), unit.scramble(&self.few), unit.scramble(more));
+    fn halve(&mut self, halvings: &mut u8, more: &mut More, unit: Unit) {
+        *halvings += 1;
+        let (threshold, few, others) = (threshold(*halvings), unit.scramble(&self.few), unit.scramble(more));
         // Into other memory, and back at once: what was just written in pieces is waited for when it is read as a whole.
         let (mut kept, mut count) = ([[0; 3]; ROOM + 1], 0);
         let all = self.few.iter().zip(&few).chain(more.iter().zip(&others));
@@ -252,7 +261,7 @@ impl Kept {
         more.copy_from_slice(&kept[FEW..ROOM]);
         // Not more than before.
         #[allow(clippy::cast_possible_truncation)]
-        let count = count as u8;
+        let count = count as u16;
         self.count = count;
     }
 }
