@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::cell::Sums;
 use crate::field::Field;
 use crate::flat::Flat;
-use crate::near::{Near, Nearby, Several, Within};
+use crate::ends::End;
+use crate::near::{Group, Near, Nearby, Within};
 use crate::of_cells::OfCells;
 
 /// Tells of which plane points are, one by one, by the cell and the place of each. Nothing is kept of the points themselves, so that
@@ -21,7 +22,9 @@ pub struct Labeller {
     /// What places of their points are from, along the curve.
     anchors: Vec<DVec3>,
     /// What is near the cells with several regions, or with one that not all points are of. Regions are numbered as planes.
-    mixed: Vec<Several>,
+    mixed: Vec<Near>,
+    /// Where those end.
+    ends: Vec<End>,
     /// What lengths are counted from.
     origin: DVec3,
     planes: Vec<Flat>,
@@ -40,11 +43,11 @@ struct Place {
     plane: u32,
     /// Its place along the curve.
     rank: u32,
-    /// Its place among those that are mixed.
-    mixed: u32,
+    /// Where what is near begins among what is near mixed cells, and how much there is: nothing in others.
+    mixed: (u32, u32),
 }
 
-/// The number of regions that are no plane, and the place of cells that are not mixed.
+/// The number of regions that are no plane.
 const NONE: u32 = u32::MAX;
 
 /// Labelled points of a plane, counted and measured. Sums are of whole numbers, so that it does not matter in which order points come,
@@ -140,10 +143,10 @@ impl Labeller {
         planes: Vec<Flat>,
     ) -> Self {
         let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or(DVec3::ZERO));
-        let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: NONE };
+        let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: (0, 0) };
         let mut cells: Vec<Place> = vec![unknown; of_cells.parts.len()];
         let mut whole = vec![Total::default(); planes.len()];
-        let mut mixed = Vec::new();
+        let (mut mixed, mut ends) = (Vec::new(), Vec::new());
         let OfCells { nearby, parts } = of_cells;
         let of_cells = nearby.into_iter().zip(&parts);
         for (((rank, given), (nearby, parts)), sums) in
@@ -159,30 +162,29 @@ impl Labeller {
                 to.plane = plane;
                 whole.add(&Total::of(sums, origin, flat, units));
             }
-            let several = match nearby {
-                Nearby::None => continue,
-                Nearby::One(near) if to.plane != NONE => {
-                    (to.normal, to.offset) = (near.normal, near.offset);
-                    continue;
-                }
-                Nearby::One(near) => {
-                    let region = number(near.region);
-                    Several { near: vec![Near { region, ..near }], ends: Vec::new() }
-                }
-                Nearby::Several(mut several) => {
-                    several.near.iter_mut().for_each(|near| near.region = number(near.region));
-                    *several
-                }
-            };
-            if several.near.iter().any(|near| near.region != NONE) {
-                // There are no more than cells, which are numbered with 32 bits.
-                to.mixed = u32::try_from(mixed.len()).unwrap_or(NONE);
-                mixed.push(several);
+            if let Nearby::One(near) = &nearby
+                && to.plane != NONE
+            {
+                (to.normal, to.offset) = (near.normal, near.offset);
+                continue;
+            }
+            let first = mixed.len();
+            for near in nearby.regions() {
+                let at = near.ends.0 + place_of(&ends);
+                mixed.push(Near { region: number(near.region), ends: (at, near.ends.1), ..*near });
+            }
+            if mixed[first..].iter().all(|near| near.region == NONE) {
+                mixed.truncate(first);
+                continue;
+            }
+            to.mixed = (place_of(&mixed[..first]), place_of(&mixed[first..]));
+            if let Nearby::Several(several) = nearby {
+                ends.extend(several.ends);
             }
         }
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
-        Self { reach: reach as f32, cells, anchors, mixed, origin, planes, whole, units }
+        Self { reach: reach as f32, cells, anchors, mixed, ends, origin, planes, whole, units }
     }
 
     /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its
@@ -249,13 +251,14 @@ impl Labeller {
     /// The number of the plane that a point of a mixed cell is of.
     #[inline]
     fn of_mixed(&self, cell: &Place, place: [f32; 3]) -> Option<u32> {
-        let several = self.mixed.get(cell.mixed as usize)?;
-        let at = match several.within(place, self.reach) {
+        let (first, count) = (cell.mixed.0 as usize, cell.mixed.1 as usize);
+        let group = Group { near: self.mixed.get(first..first + count)?, ends: &self.ends };
+        let at = match group.within(place, self.reach) {
             Within::None => return None,
             Within::One(at) => at,
-            Within::Several => several.best(place, self.reach)?,
+            Within::Several => group.best(place, self.reach)?,
         };
-        let plane = several.near.get(at)?.region;
+        let plane = group.near.get(at)?.region;
         (plane != NONE).then_some(plane)
     }
 
@@ -272,11 +275,17 @@ impl Labeller {
     }
 }
 
+/// The place after the last of a list.
+fn place_of<T>(list: &[T]) -> u32 {
+    // Of each of the cells, which are numbered with 32 bits, some few: memory would be at its end before.
+    u32::try_from(list.len()).unwrap_or(NONE)
+}
+
 impl Place {
     /// Whether its points are of no plane, and it of none.
     #[inline]
     fn is_unknown(&self) -> bool {
-        self.plane == NONE && self.mixed == NONE
+        self.plane == NONE && self.mixed.1 == 0
     }
 
     #[inline]

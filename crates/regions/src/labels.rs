@@ -107,7 +107,7 @@ impl Nearby {
         match self {
             Self::None => None,
             Self::One(near) => near.errors(place, reach).map(|_| near.region),
-            Self::Several(several) => several.best(place, reach).map(|at| several.near[at].region),
+            Self::Several(several) => several.group().best(place, reach).map(|at| several.near[at].region),
         }
     }
 }

@@ -347,7 +347,7 @@ impl Several {
         scores.resize(parts.len(), f32::INFINITY);
         let mut is_open = false;
         for place in places {
-            match self.within(*place, reach) {
+            match self.group().within(*place, reach) {
                 Within::None => continue,
                 Within::One(at) => {
                     parts[at].labelled += each;
@@ -358,7 +358,7 @@ impl Several {
             }
             let (mut least, mut best) = (f32::INFINITY, 0);
             for ((at, near), score) in self.near.iter().enumerate().zip(&mut *scores) {
-                *score = self.score(near, *place, reach).unwrap_or(f32::INFINITY);
+                *score = self.group().score(near, *place, reach).unwrap_or(f32::INFINITY);
                 if *score < least {
                     (least, best) = (*score, at);
                 }

@@ -49,9 +49,23 @@ pub(crate) enum Within {
 }
 
 impl Several {
+    pub(crate) fn group(&self) -> Group<'_> {
+        Group { near: &self.near, ends: &self.ends }
+    }
+}
+
+/// Several regions near a cell, wherever they are kept.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Group<'a> {
+    pub(crate) near: &'a [Near],
+    /// Those of the regions, and maybe others.
+    pub(crate) ends: &'a [End],
+}
+
+impl Group<'_> {
     /// Which of them a place is within the reach of: of most it is one, and then there is nothing to weigh.
     #[inline]
-    pub(crate) fn within(&self, place: [f32; 3], reach: f32) -> Within {
+    pub(crate) fn within(self, place: [f32; 3], reach: f32) -> Within {
         let (mut count, mut last) = (0_u32, 0);
         for (at, near) in self.near.iter().enumerate() {
             let is_within = near.errors(place, reach).is_some();
@@ -67,7 +81,7 @@ impl Several {
 
     /// How probable it is that a point is of a region, as −2 ln and but for what is the same for all; `None` beyond the reach.
     #[inline]
-    pub(crate) fn score(&self, near: &Near, place: [f32; 3], reach: f32) -> Option<f32> {
+    pub(crate) fn score(self, near: &Near, place: [f32; 3], reach: f32) -> Option<f32> {
         let errors = near.errors(place, reach)?;
         let (first, count) = (near.ends.0 as usize, near.ends.1 as usize);
         let ends = self.ends.get(first..first + count).unwrap_or(&[]);
@@ -77,7 +91,7 @@ impl Several {
 
     /// The place among the regions of that which a point is most probably of.
     #[inline]
-    pub(crate) fn best(&self, place: [f32; 3], reach: f32) -> Option<usize> {
+    pub(crate) fn best(self, place: [f32; 3], reach: f32) -> Option<usize> {
         let mut best: Option<(f32, usize)> = None;
         for (at, near) in self.near.iter().enumerate() {
             if let Some(score) = self.score(near, place, reach)
