@@ -23,6 +23,9 @@ impl Eigen3 {
 /// rounding of any matrix; the rest are for nearly equal eigenvalues, and end early.
 const SWEEPS: usize = 12;
 
+/// Fewer matrices are solved before others have begun with wider vectors.
+const WIDE: usize = 4;
+
 /// Square of a quarter of the rounding unit: an off-diagonal entry this small beside its diagonal changes nothing.
 const NEGLIGIBLE: f64 = (f64::EPSILON / 4.0) * (f64::EPSILON / 4.0);
 
@@ -46,9 +49,30 @@ pub fn symmetric_eigen(matrix: &SymmetricMatrix3) -> Eigen3 {
     eigen
 }
 
-/// [`symmetric_eigen`] of `N` matrices side by side; 4 is a good number. The result for each matrix is the same to the
+/// [`symmetric_eigen`] of `N` matrices side by side; 4 and 8 are good numbers. The result for each matrix is the same to the
 /// last bit, whatever the others are.
 pub fn symmetric_eigen_batch<const N: usize>(matrices: &[SymmetricMatrix3; N]) -> [Eigen3; N] {
+    // The same operations, for more numbers at a time where the processor can.
+    if N < WIDE { solve(matrices) } else { pulp::Arch::new().dispatch(Wide(matrices)) }
+}
+
+/// Matrices that are solved with vectors of any width: a closure of this size would not be made into such instructions.
+struct Wide<'m, const N: usize>(&'m [SymmetricMatrix3; N]);
+
+impl<const N: usize> pulp::WithSimd for Wide<'_, N> {
+    type Output = [Eigen3; N];
+
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        solve(self.0)
+    }
+}
+
+// Into what it is dispatched to, and what it calls as well.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn solve<const N: usize>(matrices: &[SymmetricMatrix3; N]) -> [Eigen3; N] {
     let scales = matrices.map(|m| scale_of(&m));
     let mut lanes = Lanes::<N>::of(matrices, &scales);
     for _ in 0..SWEEPS {
@@ -65,6 +89,8 @@ pub fn symmetric_eigen_batch<const N: usize>(matrices: &[SymmetricMatrix3; N]) -
 
 /// A power of two near the largest entry: dividing by it is exact and keeps squares from over- and underflow. `None`
 /// for entries that are not finite.
+#[allow(clippy::inline_always)]
+#[inline(always)]
 fn scale_of(m: &SymmetricMatrix3) -> Option<f64> {
     let largest = m.0.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     // The exponent bits alone are the power of two below.
@@ -79,8 +105,11 @@ struct Lanes<const N: usize> {
     v: [[[f64; N]; 3]; 3],
 }
 
+// Into what they are dispatched to.
+#[allow(clippy::inline_always)]
 impl<const N: usize> Lanes<N> {
     /// A lane that is not finite works on zeros instead, which are done at once.
+    #[inline(always)]
     fn of(matrices: &[SymmetricMatrix3; N], scales: &[Option<f64>; N]) -> Self {
         let mut a = [[[0.0; N]; 3]; 3];
         for lane in 0..N {
@@ -98,7 +127,7 @@ impl<const N: usize> Lanes<N> {
 
     /// Whether the entry is too small to matter: relative to both diagonal entries, so that small eigenvalues beside
     /// large ones keep their digits.
-    #[inline]
+    #[inline(always)]
     fn negligible(&self, p: usize, q: usize, lane: usize) -> bool {
         let off = self.a[p][q][lane];
         off * off <= NEGLIGIBLE * (self.a[p][p][lane] * self.a[q][q][lane]).abs() + VANISHING
@@ -106,7 +135,7 @@ impl<const N: usize> Lanes<N> {
 
     /// Whether no lane has anything left to turn. Further sweeps then change no bit, so that a lane that is done early
     /// ends as it would alone.
-    #[inline]
+    #[inline(always)]
     fn done(&self) -> bool {
         let mut done = true;
         for lane in 0..N {
@@ -116,7 +145,7 @@ impl<const N: usize> Lanes<N> {
     }
 
     /// Rotates the plane of axes P < Q so that `a[P][Q]` vanishes.
-    #[inline]
+    #[inline(always)]
     fn rotate<const P: usize, const Q: usize>(&mut self) {
         let r = 3 - P - Q;
         let (p_r, q_r) = ((P.min(r), P.max(r)), (Q.min(r), Q.max(r)));
@@ -152,7 +181,7 @@ impl<const N: usize> Lanes<N> {
     }
 
     /// Brings the eigenvalues of every lane into rising order.
-    #[inline]
+    #[inline(always)]
     fn sort(&mut self) {
         for (p, q) in [(0, 1), (1, 2), (0, 1)] {
             for lane in 0..N {
@@ -167,7 +196,7 @@ impl<const N: usize> Lanes<N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&self, lane: usize, scale: f64) -> Eigen3 {
         // A dozen rotations leave the lengths some roundings off; one Newton step each brings them back to 1.
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -160,13 +160,14 @@ impl Tilts {
     fn largest_change(&self) -> Result<DVec3, Degenerate> {
         let [along, across, thickness] = self.variances;
         let moved = |signed: usize| {
-            let (pull, mean, square) = self.sums[signed / 2];
-            let pull = if signed.is_multiple_of(2) { pull } else { -pull };
+            // As many as fill a vector: the last are nothing, and done at once.
+            let Some((pull, mean, square)) = self.sums.get(signed / 2) else { return SymmetricMatrix3::ZERO };
+            let pull = if signed.is_multiple_of(2) { *pull } else { -*pull };
             let thickness = thickness + 2.0 * pull.z + square - mean * mean;
             SymmetricMatrix3([along, 0.0, pull.x, across, pull.y, thickness])
         };
         let mut largest = DVec3::ZERO;
-        for eigen in symmetric_eigen_batch::<6>(&std::array::from_fn(moved)) {
+        for eigen in symmetric_eigen_batch::<8>(&std::array::from_fn(moved)).into_iter().take(6) {
             determined(eigen.values, self.rounding)?;
             let [x, y, z] = eigen.vectors[0];
             let [x, y] = if z < 0.0 { [-x, -y] } else { [x, y] };
