@@ -1,5 +1,6 @@
 //! Samples of some of the cells, in memory.
 
+use super::together::Together;
 use super::units::{Packed, Unit};
 
 /// So many points of a cell are kept at most.
@@ -49,18 +50,53 @@ pub struct Sample<'s> {
     /// So many of the first, and of the others.
     count: u8,
     unit: Unit,
+    /// Which cell it is of those that are made of others, if it is one.
+    whole: u32,
+    among: Option<&'s Together<'s>>,
 }
 
 impl<'s> Sample<'s> {
     /// That of a cell without points.
-    pub const EMPTY: Self =
-        Self { few: &[[0; 3]; FEW], more: &[[0; 3]; ROOM - FEW], count: 0, unit: Unit::ONE };
+    pub const EMPTY: Self = Self {
+        few: &[[0; 3]; FEW],
+        more: &[[0; 3]; ROOM - FEW],
+        count: 0,
+        unit: Unit::ONE,
+        whole: 0,
+        among: None,
+    };
 
     /// Where the points are, from the anchor of the cell's sums, in metres.
     pub fn places(&self) -> impl Iterator<Item = [f32; 3]> + Clone + use<'s> {
         let unit = self.unit;
         let packed = self.few.iter().chain(self.more).take(self.count.into());
         packed.map(move |packed| unit.unpacked(*packed))
+    }
+
+    /// The samples of the parts of a cell, or its own if it has no parts, each with the number of points that it is of: those of the cell
+    /// are so many. None if its own is empty.
+    pub(crate) fn of_parts(&self, points: f64) -> impl Iterator<Item = (Self, f64)> + use<'s> {
+        let whole = self.whole;
+        let alone = self.among.is_none().then_some((*self, points));
+        let parts = self.among.filter(|_| !self.is_empty()).into_iter();
+        let all = alone.into_iter().chain(parts.flat_map(move |among| among.parts(whole)));
+        all.filter(|(sample, _)| !sample.is_empty())
+    }
+
+    /// The places of all these, each with the number of points that it stands for.
+    pub(crate) fn weighted(&self, points: f64) -> impl Iterator<Item = ([f32; 3], f64)> + use<'s> {
+        self.of_parts(points).flat_map(|(sample, points)| {
+            let each = points / f64::from(sample.count);
+            sample.places().map(move |place| (place, each))
+        })
+    }
+
+    /// Of a cell that is made of others.
+    pub(super) fn with_parts<'t>(self, whole: u32, among: &'t Together<'t>) -> Sample<'t>
+    where
+        's: 't,
+    {
+        Sample { whole, among: Some(among), ..self }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -159,7 +195,7 @@ impl Stripe {
         let Some(kept) = self.get(at) else { return Sample::EMPTY };
         let more = kept.more as usize;
         let more = self.more.get(more / PAGE).map_or(Sample::EMPTY.more, |page| &page[more % PAGE]);
-        Sample { few: &kept.few, more, count: kept.count, unit }
+        Sample { few: &kept.few, more, count: kept.count, unit, whole: 0, among: None }
     }
 
     /// Puts these places, at most sixteen, in the place of the sample of a cell.
