@@ -54,12 +54,7 @@ fn assert_same(found: &[PlaneRecord], expected: &[PlaneRecord], share: f64) {
             let largest = of_b.iter().flatten().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
             assert!(row_a.iter().zip(row_b).all(|(a, b)| near(*a, *b, 1e-6 * largest)), "{a:?} {b:?}");
         }
-        assert!(
-            near(a.points as f64, b.points as f64, share * b.points as f64),
-            "{} {}",
-            a.points,
-            b.points
-        );
+        assert!(near(a.points as f64, b.points as f64, share * b.points as f64), "{} {}", a.points, b.points);
         assert_eq!(a.cells, b.cells);
     }
 }

@@ -337,10 +337,6 @@ mod tests {
             let mut merged = all(one);
             merged.merge(0, &all(other), 0);
             prop_assert_eq!(sorted(&merged, 0), sorted(&whole, 0));
-            let mut apart = Samples::new(UNIT);
-            places.iter().enumerate().for_each(|(at, place)| apart.push(if at < cut { 3 } else { 8 }, *place));
-            let points = [3, 8].map(|cell| if cell == 3 { cut.min(places.len()) } else { places.len().saturating_sub(cut) });
-            XXX
             prop_assert_eq!(merged.halvings(0), whole.halvings(0));
             for threads in 1..4 {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

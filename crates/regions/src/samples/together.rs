@@ -54,3 +54,50 @@ impl<'s> Together<'s> {
         parts.unwrap_or(&[]).iter().map(|(part, points)| (self.of.sample(*part), f64::from(*points)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const UNIT: f64 = 1.0 / (1 << 15) as f64;
+
+    fn sorted(places: impl Iterator<Item = [f32; 3]>) -> Vec<[u32; 3]> {
+        let mut places: Vec<[u32; 3]> = places.map(|place| place.map(f32::to_bits)).collect();
+        places.sort_unstable();
+        places
+    }
+
+    proptest! {
+        #[test]
+        fn cells_have_the_sample_of_all_their_points_and_those_of_their_parts(
+            places in prop::collection::vec((0..4_u32, prop::array::uniform3(-1.0..1.0_f32)), 0..200),
+        ) {
+            // Cells 2, 3 and 7 are of 1, cell 0 is of 4, and others have no parts.
+            let (numbers, wholes) = ([2, 3, 7, 0], [1, 1, 1, 4]);
+            let (mut apart, mut whole, mut points) = (Samples::new(UNIT), Samples::new(UNIT), [0; 4]);
+            for (part, place) in &places {
+                let part = *part as usize;
+                points[part] += 1;
+                apart.push(numbers[part], *place);
+                whole.push(wholes[part], *place);
+            }
+            let part = |at: usize| PartOf { whole: wholes[at], part: numbers[at], points: points[at] };
+            let together = apart.together([3, 2, 0, 1].map(part).to_vec());
+            for of in 0..6 {
+                prop_assert_eq!(sorted(together.sample(of).places()), sorted(whole.of(of)));
+                let parts = || numbers.iter().zip(points).zip(wholes).filter(|(_, whole)| *whole == of);
+                let all: u32 = parts().map(|((_, points), _)| points).sum();
+                let sampled: Vec<([f32; 3], f64)> = together.sample(of).weighted(all.into()).collect();
+                let expected = parts().flat_map(|((part, _), _)| apart.of(*part));
+                prop_assert_eq!(sorted(sampled.iter().map(|(place, _)| *place)), sorted(expected));
+                for ((part, points), _) in parts() {
+                    let places: Vec<[f32; 3]> = apart.of(*part).collect();
+                    let of_part = sampled.iter().filter(|(place, _)| places.contains(place));
+                    let sum: f64 = of_part.map(|(_, each)| each).sum();
+                    prop_assert!((sum - f64::from(points)).abs() < 1e-9);
+                }
+            }
+        }
+    }
+}
