@@ -79,7 +79,8 @@ pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
         let points = part.labelled.round().max(1.0) as u32;
         let piece =
             |sum: DVec3, squares: f64| Piece { region: part.region, cell: *cell, points, sum, squares };
-        if part.labelled >= sums.points {
+        // Less than all is less by a sampled point at least: shares of the points are rounded.
+        if part.labelled + 0.5 >= sums.points {
             return piece((sums.mean - anchor) * sums.points, sums.mean_square(plane) * sums.points);
         }
         let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);

@@ -1,5 +1,6 @@
 //! Some points of each cell.
 
+mod sample;
 mod stripe;
 mod together;
 mod units;
@@ -10,7 +11,7 @@ use crate::SampleError;
 use stripe::{MOST, MOST_HALVINGS, Stripe};
 use units::{Packed, Unit, scrambled};
 
-pub use stripe::Sample;
+pub use sample::Sample;
 pub use together::{PartOf, Together};
 
 const STRIPES: usize = 8;
