@@ -83,11 +83,19 @@ impl<'s> Work<'s> {
         let parts = &mut self.parts;
         parts.clear();
         parts.extend(nearby.regions().iter().map(part));
-        let mut all = 0.0;
+        // As places are.
+        #[allow(clippy::cast_possible_truncation)]
+        let (mut all, single) = (0.0, reach as f32);
         for sample in samples {
             let places = &self.places[self.starts[sample]..self.starts[sample + 1]];
             let each = self.points[sample] / places.len() as f64;
             all += self.points[sample];
+            // Nearly all are of the only region near, or beyond its reach.
+            if let (Nearby::One(near), [part]) = (nearby, &mut parts[..]) {
+                let within = places.iter().filter(|place| near.errors(**place, single).is_some()).count();
+                part.labelled += within as f64 * each;
+                continue;
+            }
             for region in places.iter().filter_map(|place| nearby.label(*place, reach)) {
                 if let Some(part) = parts.iter_mut().find(|part| part.region == region) {
                     part.labelled += each;
