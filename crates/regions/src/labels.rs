@@ -7,7 +7,7 @@ use crate::RegionsError;
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::mixture::Candidate;
-use crate::near::Nearby;
+use crate::near::{Nearby, Within};
 use crate::of_cells::{OfCells, Part};
 
 /// Points, each of a cell.
@@ -55,7 +55,7 @@ pub(crate) struct Piece {
 }
 
 /// The pieces of all cells, as their samples tell. A cell whose whole sample is of one region is of it with all its points.
-pub(crate) fn pieces<P: Iterator<Item = [f32; 3]>>(
+pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
     field: &Field,
     of_cells: &OfCells,
     candidates: &[Option<Candidate>],
@@ -79,19 +79,20 @@ pub(crate) fn pieces<P: Iterator<Item = [f32; 3]>>(
         let points = part.labelled.round().max(1.0) as u32;
         let piece =
             |sum: DVec3, squares: f64| Piece { region: part.region, cell: *cell, points, sum, squares };
-        if part.labelled >= sums.points {
+        // Less than all is less by a sampled point at least: shares of the points are rounded.
+        if part.labelled + 0.5 >= sums.points {
             return piece((sums.mean - anchor) * sums.points, sums.mean_square(plane) * sums.points);
         }
         let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
-        for place in samples(at) {
+        for (place, each) in samples(at) {
             if of_cells.nearby[at].label(place, reach) == Some(part.region) {
                 let place = DVec3::from(place.map(f64::from));
-                count += 1.0;
-                sum += place;
-                squares += plane.distance(anchor + place).powi(2);
+                count += each;
+                sum += place * each;
+                squares += plane.distance(anchor + place).powi(2) * each;
             }
         }
-        let each = f64::from(points) / f64::max(count, 1.0);
+        let each = if count > 0.0 { f64::from(points) / count } else { 0.0 };
         piece(sum * each, squares * each)
     };
     parts.par_iter().with_min_len(AT_ONCE).map(piece).collect()
@@ -100,14 +101,22 @@ pub(crate) fn pieces<P: Iterator<Item = [f32; 3]>>(
 impl Nearby {
     /// The region that a point is most probably of.
     #[inline]
-    fn label(&self, place: [f32; 3], reach: f64) -> Option<u32> {
+    pub(crate) fn label(&self, place: [f32; 3], reach: f64) -> Option<u32> {
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
         let reach = reach as f32;
         match self {
             Self::None => None,
             Self::One(near) => near.errors(place, reach).map(|_| near.region),
-            Self::Several(several) => several.group().best(place, reach).map(|at| several.near[at].region),
+            Self::Several(several) => {
+                let group = several.group();
+                let at = match group.within(place, reach) {
+                    Within::None => None,
+                    Within::One(at) => Some(at),
+                    Within::Several => group.best(place, reach),
+                };
+                at.map(|at| several.near[at].region)
+            }
         }
     }
 }

@@ -86,6 +86,7 @@ mod near;
 mod of_cells;
 mod parts;
 mod places;
+mod recount;
 mod samples;
 #[cfg(test)]
 mod scene;
@@ -103,7 +104,7 @@ pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labeller::{Labeller, Measure};
 pub use labels::Points;
-pub use samples::{Sample, Samples};
+pub use samples::{PartOf, Sample, Samples, Together};
 pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
 

@@ -306,11 +306,11 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         }
     }
 
-    /// Some points of a cell, at least one: a cell has points.
-    pub(crate) fn places(&self, cell: usize) -> impl Iterator<Item = [f32; 3]> {
-        let sample = (self.samples)(cell);
+    /// Places of some points of a cell, at least one, for a cell has points; each with the number of points that it stands for.
+    pub(crate) fn weighted(&self, cell: usize) -> impl Iterator<Item = ([f32; 3], f64)> {
+        let (sample, points) = ((self.samples)(cell), self.field.cells[cell].points);
         let middle = if sample.is_empty() { self.field.middle(cell) } else { &[] };
-        middle.iter().copied().chain(sample.places())
+        middle.iter().map(move |place| (*place, points)).chain(sample.weighted(points))
     }
 }
 

@@ -202,8 +202,10 @@ impl Grown {
         let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
         let samples = |cell: usize| samples(field.order[cell] as usize);
         let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
-        let (of_cells, candidates) = mixture.solve(&grown);
-        let mut pieces = pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.places(cell));
+        let (mut of_cells, candidates) = mixture.solve(&grown);
+        mixture.recount(&mut of_cells);
+        let mut pieces =
+            pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.weighted(cell));
 
         let (numbers, from) = take_apart(
             &field,

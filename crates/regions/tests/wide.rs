@@ -5,7 +5,7 @@
 mod scenes;
 
 use scenes::{Scene, Sorted, dot, rectangle};
-use terrace_regions::{Cell, Field, RegionsError};
+use terrace_regions::{Cell, Field, PartOf, RegionsError, Sample, Samples, Settings, find};
 
 const SIGMA: f64 = 0.01;
 const EDGE: f64 = 0.03;
@@ -55,6 +55,43 @@ fn planes_go_on_from_cells_to_wide_ones() {
             assert!(right(&found) + 60 > right(&narrow), "{} {}", right(&found), right(&narrow));
         }
     }
+}
+
+#[test]
+fn points_of_wide_cells_are_counted_by_all_samples_of_their_parts() {
+    for seed in 0..5 {
+        let scene = corner(seed);
+        let (narrow, wide) = (with(&scene, |_| false), with(&scene, |_| true));
+        // Where points are in their wide cell, sampled by narrow one.
+        let mut samples = Samples::new((-20_f64).exp2());
+        let mut parts: Vec<PartOf> = Vec::new();
+        for ((part, whole), place) in narrow.cell_of.iter().zip(&wide.cell_of).zip(&wide.places) {
+            let (part, whole) = (part.unwrap(), whole.unwrap());
+            samples.push(part, *place);
+            match parts.iter_mut().find(|known| known.part == part) {
+                Some(known) => known.points += 1,
+                None => parts.push(PartOf { whole, part, points: 1 }),
+            }
+        }
+        let together = samples.together(parts);
+        let mut alone = Samples::new((-20_f64).exp2());
+        wide.cell_of.iter().zip(&wide.places).for_each(|(cell, place)| alone.push(cell.unwrap(), *place));
+        // No part has more points than its sample beside another plane, though most cells have.
+        let by_parts = miscounted(&wide, |cell| together.sample(cell));
+        let by_cells = miscounted(&wide, |cell| alone.sample(cell));
+        assert!(by_parts == 0 && by_cells > 9, "{by_parts} {by_cells}");
+    }
+}
+
+/// By how many points the three planes of a corner are counted wrong.
+fn miscounted<'s>(sorted: &Sorted, sample: impl Fn(u32) -> Sample<'s> + Sync) -> u64 {
+    let field = Field::of(&sorted.cells, EDGE).unwrap();
+    let of_cell = |cell: usize| sample(u32::try_from(cell).unwrap());
+    let found = find(field, sorted.places.len() as u64, of_cell, &Settings::default()).unwrap();
+    assert_eq!(found.regions.len(), 3);
+    let points = sorted.cell_of.iter().zip(&sorted.places).map(|(cell, place)| (*cell, *place, ()));
+    let measures = found.labeller.label_all(points, |(), _| ());
+    found.regions.iter().zip(measures).map(|(region, measure)| region.points.abs_diff(measure.points)).sum()
 }
 
 #[test]

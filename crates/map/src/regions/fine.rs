@@ -1,7 +1,7 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Field, Found, RegionsError, Sample, Samples};
+use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, Together};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -24,7 +24,7 @@ pub(crate) struct Fine<'m> {
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
     /// Samples of the points of whole cells.
-    of_whole: Option<Samples>,
+    of_whole: Option<Together<'m>>,
     pub(crate) places: Places,
     /// Points of all cells.
     pub(crate) points: u64,
@@ -54,6 +54,8 @@ impl Places {
 impl<'m> Fine<'m> {
     /// Sums that overflow are no cell of a region: their points are of no plane.
     pub(crate) fn of(grid: &'m VoxelGrid, coarse: &'m Coarse, samples: &'m Samples) -> Self {
+        let is_whole: Vec<bool> =
+            coarse.grid.founded().map(|cell| is_blurred(cell.moments(), grid.cell_size())).collect();
         let mut fine = Self {
             grid,
             coarse,
@@ -65,43 +67,44 @@ impl<'m> Fine<'m> {
             places: Places::default(),
             points: 0,
         };
-        let is_whole: Vec<bool> =
-            coarse.grid.founded().map(|cell| is_blurred(cell.moments(), grid.cell_size())).collect();
-        let mut wholes: Vec<Option<u32>> = vec![None; coarse.grid.len()];
-        // The parts of whole cells, and which each is of.
-        let mut parts: Vec<(u32, u32)> = Vec::new();
-        let mut whole_places: Vec<Option<u32>> = Vec::new();
+        // By larger cell, its number among the whole ones and its place among all.
+        let mut wholes: Vec<Option<(u32, Option<u32>)>> = vec![None; coarse.grid.len()];
+        let mut whole = 0;
+        let mut parts: Vec<PartOf> = Vec::new();
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
         for ((number, cell), of) in (0..).zip(grid.founded()).zip(&coarse.of) {
             let place = u32::try_from(fine.cells.len()).ok();
+            let points = cell.density();
             if is_whole[of.index()] {
-                let whole = *wholes[of.index()].get_or_insert_with(|| {
-                    let whole = u32::try_from(whole_places.len()).unwrap_or(u32::MAX);
-                    whole_places.push(place);
-                    fine.cells.push(Source::Whole(whole));
-                    fine.keys.push((cell.key(), true));
-                    fine.of.push(*of);
-                    whole
+                let (whole, place) = *wholes[of.index()].get_or_insert_with(|| {
+                    fine.push(Source::Whole(whole), (cell.key(), true), *of);
+                    whole += 1;
+                    (whole - 1, place)
                 });
-                parts.push((number, whole));
-                places.push(whole_places.get(whole as usize).copied().flatten());
-                fine.points += cell.density();
+                // Were there more, others would be sampled as if there were not.
+                let points = u32::try_from(points).unwrap_or(u32::MAX);
+                parts.push(PartOf { whole, part: number, points });
+                places.push(place);
+            } else if is_usable(cell.moments()) {
+                fine.push(Source::Half(cell.id()), (cell.key(), false), *of);
+                places.push(place);
+            } else {
+                places.push(None);
                 continue;
             }
-            let usable = is_usable(cell.moments());
-            places.push(place.filter(|_| usable));
-            if usable {
-                fine.cells.push(Source::Half(cell.id()));
-                fine.keys.push((cell.key(), false));
-                fine.of.push(*of);
-                fine.points += cell.density();
-            }
+            fine.points += points;
         }
         if fine.cells.len() < places.len() {
             fine.places = Places(places);
         }
-        fine.of_whole = (!parts.is_empty()).then(|| samples.together(&parts));
+        fine.of_whole = (!parts.is_empty()).then(|| samples.together(parts));
         fine
+    }
+
+    fn push(&mut self, source: Source, key: ([i32; 3], bool), of: CellId) {
+        self.cells.push(source);
+        self.keys.push(key);
+        self.of.push(of);
     }
 
     /// The cells laid out for regions to grow over.

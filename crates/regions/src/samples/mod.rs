@@ -1,6 +1,8 @@
 //! Some points of each cell.
 
+mod sample;
 mod stripe;
+mod together;
 mod units;
 
 use rayon::prelude::*;
@@ -9,7 +11,8 @@ use crate::SampleError;
 use stripe::{MOST, MOST_HALVINGS, Stripe};
 use units::{Packed, Unit, scrambled};
 
-pub use stripe::Sample;
+pub use sample::Sample;
+pub use together::{PartOf, Together};
 
 const STRIPES: usize = 8;
 /// Points whose places are scrambled at once.
@@ -92,21 +95,10 @@ impl Samples {
         self.stripes[stripe].of(at, self.unit)
     }
 
-    /// The samples of the points of several cells together, whose places are from one anchor; on all threads of the rayon pool. Each of
-    /// the parts is a cell here and the number that it has there, with others.
+    /// The samples of cells that are made of several, whose places are from one anchor. Larger cells are numbered from 0, with few left out.
     #[must_use]
-    pub fn together(&self, parts: &[(u32, u32)]) -> Self {
-        let mut all = Self { stripes: Default::default(), unit: self.unit };
-        let merge = |(number, stripe): (usize, &mut Stripe)| {
-            for (cell, together) in parts {
-                let (of, at) = home(*together);
-                if of == number {
-                    self.merge_into(stripe, at, *cell);
-                }
-            }
-        };
-        all.stripes.par_iter_mut().enumerate().for_each(merge);
-        all
+    pub fn together(&self, parts: Vec<PartOf>) -> Together<'_> {
+        Together::of(self, parts)
     }
 
     /// How often the sample of a cell was halved: it has those of its points whose scrambled places are below 2³²⁻ʰ.
@@ -344,12 +336,6 @@ mod tests {
             let mut merged = all(one);
             merged.merge(0, &all(other), 0);
             prop_assert_eq!(sorted(&merged, 0), sorted(&whole, 0));
-            let mut apart = Samples::new(UNIT);
-            places.iter().enumerate().for_each(|(at, place)| apart.push(if at < cut { 3 } else { 8 }, *place));
-            let together = apart.together(&[(8, 2), (5, 2), (8, 1), (3, 2)]);
-            prop_assert_eq!(sorted(&together, 2), sorted(&whole, 0));
-            prop_assert_eq!(together.halvings(2), whole.halvings(0));
-            prop_assert_eq!(sorted(&together, 1), sorted(&apart, 8));
             prop_assert_eq!(merged.halvings(0), whole.halvings(0));
             for threads in 1..4 {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

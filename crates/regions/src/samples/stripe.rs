@@ -1,5 +1,6 @@
 //! Samples of some of the cells, in memory.
 
+use super::sample::Sample;
 use super::units::{Packed, Unit};
 
 /// So many points of a cell are kept at most.
@@ -7,13 +8,15 @@ pub(super) const MOST: usize = 16;
 /// After so many halvings the threshold is at its least.
 pub(super) const MOST_HALVINGS: u8 = 31;
 /// So many are kept beside what is looked at for each point: all that many cells have.
-const FEW: usize = 4;
+pub(super) const FEW: usize = 4;
 /// One more than are kept: a place is written first, and counted when it stays.
-const ROOM: usize = MOST + 1;
+pub(super) const ROOM: usize = MOST + 1;
 /// Cells, and further places of cells, that are in a row.
 const PAGE: usize = 64;
 /// A cell without further places.
 const NONE: u32 = u32::MAX;
+/// Its further places.
+const NOTHING: &More = &[[0; 3]; ROOM - FEW];
 
 /// Page by page, so that none is moved when more cells come. Aligned, for one of several is faster found so.
 #[allow(clippy::vec_box, reason = "pages are not moved")]
@@ -39,74 +42,7 @@ struct Kept {
     few: [Packed; FEW],
 }
 
-type More = [Packed; ROOM - FEW];
-
-/// Some points of a cell: see [`Samples`](crate::Samples).
-#[derive(Debug, Clone, Copy)]
-pub struct Sample<'s> {
-    few: &'s [Packed; FEW],
-    more: &'s More,
-    /// So many of the first, and of the others.
-    count: u16,
-    unit: Unit,
-}
-
-impl<'s> Sample<'s> {
-    /// That of a cell without points.
-    pub const EMPTY: Self =
-        Self { few: &[[0; 3]; FEW], more: &[[0; 3]; ROOM - FEW], count: 0, unit: Unit::ONE };
-
-    /// Where the points are, from the anchor of the cell's sums, in metres.
-    pub fn places(&self) -> impl Iterator<Item = [f32; 3]> + Clone + use<'s> {
-        let unit = self.unit;
-        let packed = self.few.iter().chain(self.more).take(self.count.into());
-        packed.map(move |packed| unit.unpacked(*packed))
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Appends the packed places to a list.
-    #[inline]
-    fn append(&self, to: &mut Vec<Packed>) {
-        // All that there may be: a number that is known beforehand is faster than a smaller one.
-        let after = to.len() + usize::from(self.count);
-        to.extend_from_slice(self.few);
-        to.extend_from_slice(self.more);
-        to.truncate(after);
-    }
-
-    /// Puts the places of samples one after the other, one place of zeroes for a sample without, and tells where each begins and the last
-    /// ends. `packed` is memory to work with: many are unpacked at once.
-    pub(crate) fn unpack(
-        samples: &[Self],
-        packed: &mut Vec<Packed>,
-        places: &mut Vec<[f32; 3]>,
-        starts: &mut Vec<usize>,
-    ) {
-        packed.clear();
-        starts.clear();
-        for sample in samples {
-            starts.push(packed.len());
-            sample.append(packed);
-            if sample.is_empty() {
-                packed.push([0; 3]);
-            }
-        }
-        starts.push(packed.len());
-        places.resize(packed.len(), [0.0; 3]);
-        let mut first = 0;
-        // Mostly all have one unit.
-        for of_unit in samples.chunk_by(|a, b| a.unit == b.unit) {
-            let range = starts[first]..starts[first + of_unit.len()];
-            first += of_unit.len();
-            if let Some(sample) = of_unit.first() {
-                sample.unit.unpack(&packed[range.clone()], &mut places[range]);
-            }
-        }
-    }
-}
+pub(super) type More = [Packed; ROOM - FEW];
 
 /// Scrambled places up to here are in a sample that was halved so often.
 #[inline]
@@ -171,8 +107,8 @@ impl Stripe {
     pub(super) fn of(&self, at: usize, unit: Unit) -> Sample<'_> {
         let Some(kept) = self.get(at) else { return Sample::EMPTY };
         let more = kept.more as usize;
-        let more = self.more.get(more / PAGE).map_or(Sample::EMPTY.more, |page| &page[more % PAGE]);
-        Sample { few: &kept.few, more, count: kept.count, unit }
+        let more = self.more.get(more / PAGE).map_or(NOTHING, |page| &page[more % PAGE]);
+        Sample::of(&kept.few, more, kept.count, unit)
     }
 
     /// Puts these places, at most sixteen, in the place of the sample of a cell.

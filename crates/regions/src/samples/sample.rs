@@ -1,0 +1,112 @@
+//! The sample of one cell.
+
+use super::stripe::{FEW, More, ROOM};
+use super::together::Together;
+use super::units::{Packed, Unit};
+
+/// Some points of a cell: see [`Samples`](crate::Samples).
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'s> {
+    few: &'s [Packed; FEW],
+    more: &'s More,
+    /// So many of the first, and of the others.
+    count: u16,
+    unit: Unit,
+    /// Which cell it is of those that are made of others, if it is one.
+    whole: u32,
+    among: Option<&'s Together<'s>>,
+}
+
+impl<'s> Sample<'s> {
+    /// That of a cell without points.
+    pub const EMPTY: Self = Self {
+        few: &[[0; 3]; FEW],
+        more: &[[0; 3]; ROOM - FEW],
+        count: 0,
+        unit: Unit::ONE,
+        whole: 0,
+        among: None,
+    };
+
+    /// Of so many places, in two parts.
+    pub(super) fn of(few: &'s [Packed; FEW], more: &'s More, count: u16, unit: Unit) -> Self {
+        Self { few, more, count, unit, ..Self::EMPTY }
+    }
+
+    /// Where the points are, from the anchor of the cell's sums, in metres.
+    pub fn places(&self) -> impl Iterator<Item = [f32; 3]> + Clone + use<'s> {
+        let unit = self.unit;
+        let packed = self.few.iter().chain(self.more).take(self.count.into());
+        packed.map(move |packed| unit.unpacked(*packed))
+    }
+
+    /// The samples of the parts of a cell, or its own if it has no parts, each with the number of points that it is of: those of the cell
+    /// are so many. None if its own is empty.
+    pub(crate) fn of_parts(&self, points: f64) -> impl Iterator<Item = (Self, f64)> + use<'s> {
+        let whole = self.whole;
+        let alone = self.among.is_none().then_some((*self, points));
+        let parts = self.among.filter(|_| !self.is_empty()).into_iter();
+        let all = alone.into_iter().chain(parts.flat_map(move |among| among.parts(whole)));
+        all.filter(|(sample, _)| !sample.is_empty())
+    }
+
+    /// The places of all these, each with the number of points that it stands for.
+    pub(crate) fn weighted(&self, points: f64) -> impl Iterator<Item = ([f32; 3], f64)> + use<'s> {
+        self.of_parts(points).flat_map(|(sample, points)| {
+            let each = points / f64::from(sample.count);
+            sample.places().map(move |place| (place, each))
+        })
+    }
+
+    /// Of a cell that is made of others.
+    pub(super) fn with_parts<'t>(self, whole: u32, among: &'t Together<'t>) -> Sample<'t>
+    where
+        's: 't,
+    {
+        Sample { whole, among: Some(among), ..self }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Appends the packed places to a list.
+    #[inline]
+    fn append(&self, to: &mut Vec<Packed>) {
+        // All that there may be: a number that is known beforehand is faster than a smaller one.
+        let after = to.len() + usize::from(self.count);
+        to.extend_from_slice(self.few);
+        to.extend_from_slice(self.more);
+        to.truncate(after);
+    }
+
+    /// Puts the places of samples one after the other, one place of zeroes for a sample without, and tells where each begins and the last
+    /// ends. `packed` is memory to work with: many are unpacked at once.
+    pub(crate) fn unpack(
+        samples: &[Self],
+        packed: &mut Vec<Packed>,
+        places: &mut Vec<[f32; 3]>,
+        starts: &mut Vec<usize>,
+    ) {
+        packed.clear();
+        starts.clear();
+        for sample in samples {
+            starts.push(packed.len());
+            sample.append(packed);
+            if sample.is_empty() {
+                packed.push([0; 3]);
+            }
+        }
+        starts.push(packed.len());
+        places.resize(packed.len(), [0.0; 3]);
+        let mut first = 0;
+        // Mostly all have one unit.
+        for of_unit in samples.chunk_by(|a, b| a.unit == b.unit) {
+            let range = starts[first]..starts[first + of_unit.len()];
+            first += of_unit.len();
+            if let Some(sample) = of_unit.first() {
+                sample.unit.unpack(&packed[range.clone()], &mut places[range]);
+            }
+        }
+    }
+}
