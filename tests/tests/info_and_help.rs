@@ -97,7 +97,7 @@ fn help_names_every_option() {
             "synth",
             vec![
                 "--out", "--points", "--sigma", "--seed", "--quiet", "table", "desk", "strip", "patch",
-                "room", "corridor",
+                "room", "building", "corridor",
             ],
         ),
         ("eval", vec!["--field", "--pred-planes", "--truth-planes", "--per-plane", "--json", "--quiet"]),
@@ -136,7 +136,7 @@ fn help_names_every_option() {
 #[test]
 fn synthetic_counts_agree() {
     let folder = tempfile::tempdir().unwrap();
-    for scene in ["table", "desk", "strip", "patch", "room", "corridor"] {
+    for scene in ["table", "desk", "strip", "patch", "room", "building", "corridor"] {
         let out = folder.path().join(scene);
         let text = out.to_str().unwrap();
         let run = terrace(["synth", scene, "--points", "9000", "--out", text]).ended_with(0);

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use terrace::Params;
 use terrace_noise::SensorNoise;
+use terrace_synth::SceneKind;
 
 use crate::calibrate_args::CalibrateArgs;
 use crate::eval_args::EvalArgs;
@@ -319,8 +320,24 @@ pub enum Scene {
     Patch,
     /// A furnished room seen by a depth camera from fourteen places
     Room,
+    /// Such rooms side by side and above each other, one for every 100 000 points
+    Building,
     /// A corridor with a bend scanned by a lidar
     Corridor,
+}
+
+impl From<Scene> for SceneKind {
+    fn from(scene: Scene) -> Self {
+        match scene {
+            Scene::Table => Self::Table,
+            Scene::Desk => Self::Desk,
+            Scene::Strip => Self::Strip,
+            Scene::Patch => Self::Patch,
+            Scene::Room => Self::Room,
+            Scene::Building => Self::Building,
+            Scene::Corridor => Self::Corridor,
+        }
+    }
 }
 
 /// The first and the last value, both included.

@@ -51,7 +51,7 @@ pub struct CalibrateArgs {
     /// Folder for the results; made when missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// A built scene with known planes. Without --sensor or --sigma: kinect for the room,
+    /// A built scene with known planes. Without --sensor or --sigma: kinect for rooms,
     /// lidar:range=0.02,angle=0.05deg for the corridor, white noise for the others
     #[arg(long, value_enum, value_name = "SCENE")]
     pub scene: Option<Scene>,

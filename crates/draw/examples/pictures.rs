@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     for kind in SceneKind::ALL {
         let views = match kind {
-            SceneKind::Room => [[-60.0, 48.0], [125.0, 48.0]],
+            SceneKind::Room | SceneKind::Building => [[-60.0, 48.0], [125.0, 48.0]],
             SceneKind::Corridor => [[-120.0, 40.0], [-30.0, 40.0]],
             _ => [[-115.0, 25.0], [-75.0, 35.0]],
         };
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for (point, label) in points.iter().zip(&cloud.labels) {
                 // What would be seen from behind is left out, so that one looks into rooms.
                 let plane = label.and_then(|id| scans.planes.get(id.index()));
-                if !matches!(kind, SceneKind::Room | SceneKind::Corridor)
+                if !matches!(kind, SceneKind::Room | SceneKind::Building | SceneKind::Corridor)
                     || plane.is_none_or(|plane| view.faces(plane.plane.normal()))
                 {
                     picture.add(*point, label_colour(*label));

@@ -5,6 +5,7 @@ use terrace_types::{Frame, Scan, Sigma};
 
 use crate::CellSizeChoice;
 use crate::cell_size::choose_by_share;
+use crate::close_up::CloseUp;
 
 /// So many points are kept at most.
 const MOST: usize = 1 << 20;
@@ -14,7 +15,9 @@ const MOST: usize = 1 << 20;
 ///
 /// Of more points a share is kept, half a million to a million, which are drawn by their numbers: not every so-many-th, which of a scan in rows may
 /// all be in one column. The spacing of all is that of the share times its root, for points lie on surfaces; the noise is what the
-/// share shows, so it is found to about twice the spacing of the share.
+/// share shows, so it is found to about twice the spacing of the share. In a large place the points of a share are as far apart as walls,
+/// and these are not noise: of some small parts of the place all points are kept, too, and spacing and noise are theirs, or those of one in
+/// four of them, where the noise is well below the spacing.
 ///
 /// ```
 /// use terrace::{CellSizeSample, Frame, Scan, Sigma, choose_cell_size};
@@ -41,6 +44,8 @@ pub struct CellSizeSample {
     /// Points so far, absent ones included, and those that are not.
     seen: u64,
     present: usize,
+    /// From the first point on that is not kept.
+    close_up: Option<CloseUp>,
 }
 
 impl CellSizeSample {
@@ -55,6 +60,7 @@ impl CellSizeSample {
             sigma: Sigma::Unknown,
             seen: 0,
             present: 0,
+            close_up: None,
         }
     }
 
@@ -74,6 +80,9 @@ impl CellSizeSample {
         for (at, point) in chunk.points().iter().enumerate() {
             let number = scrambled(self.seen);
             self.seen += 1;
+            if let Some(close_up) = &mut self.close_up {
+                close_up.push(*point);
+            }
             if number <= self.threshold {
                 self.keep(number, *point, chunk.sigma(), at);
             }
@@ -82,10 +91,10 @@ impl CellSizeSample {
 
     /// The choice; `None` when there are too few points, or most are in one place.
     pub fn choose(self) -> Option<CellSizeChoice> {
-        let Self { pose, frame, points, sigma, present, .. } = self;
+        let Self { pose, frame, points, sigma, present, close_up, .. } = self;
         let scan = Scan::new(points, sigma, frame?).ok()?;
         let share = scan.present() as f64 / present as f64;
-        choose_by_share(&scan, pose.as_ref(), share)
+        choose_by_share(&scan, pose.as_ref(), share, close_up.as_ref())
     }
 
     fn keep(&mut self, number: u64, point: [f64; 3], errors: &Sigma, at: usize) {
@@ -98,6 +107,9 @@ impl CellSizeSample {
         }
         self.numbers.push(number);
         self.points.push(point);
+        if self.points.len() > MOST && self.close_up.is_none() {
+            self.close_up = Some(CloseUp::of(&self.points));
+        }
         while self.points.len() > MOST {
             self.halve();
         }
@@ -125,7 +137,7 @@ fn retain<T>(list: &mut Vec<T>, stays: &[bool]) {
 }
 
 /// A number that looks drawn at random, and is the same for the same number (the finaliser of SplitMix64).
-fn scrambled(number: u64) -> u64 {
+pub(crate) fn scrambled(number: u64) -> u64 {
     let mix = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mix = (mix ^ mix >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let mix = (mix ^ mix >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -8,6 +8,7 @@ use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
 use terrace_types::Scan;
 
+use crate::close_up::CloseUp;
 use crate::nearest::{Near, nearest};
 
 /// Cells are this many point spacings wide, so that a flat cell holds about twenty-five points.
@@ -22,6 +23,9 @@ const STATED: usize = 1 << 12;
 /// The spacing follows from the distance of this neighbour, the noise from a plane through this many.
 const NEAR: usize = 8;
 const PATCH: usize = 30;
+/// Neighbours of places looked at closely: all, or one in so many. They show noise that is below this share of their spacing.
+const THINNED: [u64; 2] = [1, 4];
+const SHOWN: f64 = 0.5;
 /// The first guess is doubled at most so often, which covers every scan that is not one far-away point and the rest.
 const DOUBLINGS: usize = 24;
 
@@ -49,44 +53,73 @@ pub fn choose_cell_size(scan: &Scan) -> Option<CellSizeChoice> {
 /// As [`choose_cell_size`], for a scan whose pose is only known to within `pose`: its errors count as the points' own, for
 /// scans lie as far apart.
 pub(crate) fn choose_from(scan: &Scan, pose: Option<&PoseNoise>) -> Option<CellSizeChoice> {
-    choose_by_share(scan, pose, 1.0)
+    choose_by_share(scan, pose, 1.0, None)
 }
 
 /// As [`choose_from`], for a scan of which this is a share, spread evenly over its points. Scans are of surfaces: all points are closer to
-/// each other by the root of it. The noise that a share shows is that of all.
-pub(crate) fn choose_by_share(scan: &Scan, pose: Option<&PoseNoise>, share: f64) -> Option<CellSizeChoice> {
+/// each other by the root of it. Where neighbours close up show noise, it is theirs that counts, and their spacing.
+pub(crate) fn choose_by_share(
+    scan: &Scan,
+    pose: Option<&PoseNoise>,
+    share: f64,
+    close_up: Option<&CloseUp>,
+) -> Option<CellSizeChoice> {
     let points: Cow<'_, [[f64; 3]]> = if scan.present() == scan.len() {
         scan.points().into()
     } else {
         scan.points().iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect()
     };
-    if points.len() <= NEAR {
-        return None;
+    let close_up = close_up.and_then(Seen::close_up);
+    let Seen { spacing, noise } = close_up.or_else(|| Some(Seen::of(&points)?.of_share(share)))?;
+    let sigma = noise.max(stated_sigma(scan, pose));
+    let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
+    (cell_size.is_normal() && spacing > 0.0).then_some(CellSizeChoice { cell_size, spacing, sigma })
+}
+
+/// What neighbours show at most places.
+struct Seen {
+    spacing: f64,
+    noise: f64,
+}
+
+impl Seen {
+    /// What neighbours show in places whose points are all kept, the nearest ones first; `None` where noise is larger than they show.
+    fn close_up(close_up: &CloseUp) -> Option<Self> {
+        let mut seen =
+            THINNED.into_iter().filter_map(|so_many| Some((Self::of(&close_up.one_in(so_many))?, so_many)));
+        let (seen, so_many) = seen.find(|(seen, _)| seen.noise < SHOWN * seen.spacing)?;
+        Some(seen.of_share(1.0 / so_many as f64))
     }
-    let stride = points.len().div_ceil(SAMPLES);
-    // Half a stride in, so that a scan's first row or ring is not favoured.
-    let samples: Vec<[f64; 3]> = points.iter().copied().skip(stride / 2).step_by(stride).collect();
-    let mut reach = first_reach(&samples, points.len())?;
-    let mut local = vec![Local::default(); samples.len()];
-    for _ in 0..DOUBLINGS {
-        look_around(&points, &samples, reach, &mut local);
-        let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
-        let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
-        let most = |seen: &[f64]| 2 * seen.len() > samples.len();
-        if most(&spacings) && (most(&noises) || points.len() < 2 * PATCH) {
-            let spacing = median(&mut spacings)? * share.sqrt();
-            let seen = median(&mut noises).unwrap_or(0.0);
-            let sigma = seen.max(stated_sigma(scan, pose));
-            let cell_size = (SPACINGS * spacing).max(SIGMAS * sigma);
-            return (cell_size.is_normal() && spacing > 0.0).then_some(CellSizeChoice {
-                cell_size,
-                spacing,
-                sigma,
-            });
+
+    /// The same of all points, of which these are a share.
+    fn of_share(self, share: f64) -> Self {
+        Self { spacing: self.spacing * share.sqrt(), ..self }
+    }
+
+    fn of(points: &[[f64; 3]]) -> Option<Self> {
+        if points.len() <= NEAR {
+            return None;
         }
-        reach *= 2.0;
+        let stride = points.len().div_ceil(SAMPLES);
+        // Half a stride in, so that a scan's first row or ring is not favoured.
+        let samples: Vec<[f64; 3]> = points.iter().copied().skip(stride / 2).step_by(stride).collect();
+        let mut reach = first_reach(&samples, points.len())?;
+        let mut local = vec![Local::default(); samples.len()];
+        for _ in 0..DOUBLINGS {
+            look_around(points, &samples, reach, &mut local);
+            let mut spacings: Vec<f64> = local.iter().filter_map(|l| l.spacing).collect();
+            let mut noises: Vec<f64> = local.iter().filter_map(|l| l.noise).collect();
+            let most = |seen: &[f64]| 2 * seen.len() > samples.len();
+            if most(&spacings) && (most(&noises) || points.len() < 2 * PATCH) {
+                return Some(Self {
+                    spacing: median(&mut spacings)?,
+                    noise: median(&mut noises).unwrap_or(0.0),
+                });
+            }
+            reach *= 2.0;
+        }
+        None
     }
-    None
 }
 
 /// What the neighbours of a place show.

@@ -65,6 +65,7 @@
 
 mod cell_sample;
 mod cell_size;
+mod close_up;
 mod cost;
 mod error;
 mod estimate;

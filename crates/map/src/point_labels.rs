@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
 use terrace_types::{Frame, PlaneId, Scan};
 
-use crate::facing::face_sensors;
+use crate::facing::{Counter, Seen, face_sensors};
 use crate::regions::RegionLabels;
 use crate::{ExtractError, Mapper, PlaneMap, Stage};
 
@@ -30,7 +30,8 @@ enum By {
     /// The plane of each cell, and how many points of each plane each view saw.
     Cells {
         planes: Vec<Option<PlaneId>>,
-        seen: Vec<Vec<u64>>,
+        counter: Counter,
+        seen: Vec<Seen>,
     },
     Regions(Box<RegionLabels>),
 }
@@ -87,8 +88,8 @@ impl Mapper {
             }
             None => {
                 let (map, planes) = self.clusters(begins)?;
-                let seen = vec![vec![0; map.planes.len()]; views];
-                (map, By::Cells { planes, seen })
+                let counter = Counter::new(map.planes.len());
+                (map, By::Cells { planes, counter, seen: vec![Seen::new(); views] })
             }
         };
         Ok((map, PointLabels { mapper: self, by, counts: true }))
@@ -115,26 +116,32 @@ impl PointLabels<'_> {
                 labels.iter_mut().zip(known).for_each(|(label, known)| *label = *known);
                 *told += chunk.len();
             }
-            By::Cells { planes, seen } => {
+            By::Cells { planes, counter, seen } => {
                 let plane = |cell: &Option<CellId>| planes.get((*cell)?.index()).copied().flatten();
-                in_parts(grid, chunk, labels, |cells, _, labels| {
-                    labels.iter_mut().zip(cells).for_each(|(label, cell)| *label = plane(cell));
-                });
+                in_parts(
+                    grid,
+                    chunk,
+                    labels,
+                    || (),
+                    |(), cells, _, labels| {
+                        labels.iter_mut().zip(cells).for_each(|(label, cell)| *label = plane(cell));
+                    },
+                );
                 if let Some(seen) = seen.get_mut(view).filter(|_| self.counts) {
-                    for id in labels.iter().flatten() {
-                        if let Some(points) = seen.get_mut(id.index()) {
-                            *points += 1;
-                        }
-                    }
+                    counter.count(labels, seen);
                 }
             }
             By::Regions(regions) => {
-                let measures = in_parts(grid, chunk, labels, |cells, places, labels| {
-                    regions.label(cells, places, labels)
-                });
-                for of_part in measures.iter().filter(|_| self.counts) {
-                    regions.add(view, of_part);
-                }
+                in_parts(
+                    grid,
+                    chunk,
+                    labels,
+                    || regions.tally(),
+                    |tally, cells, places, labels| {
+                        regions.label(cells, places, labels, tally);
+                    },
+                );
+                regions.counted(self.counts.then_some(view));
             }
         }
     }
@@ -151,12 +158,11 @@ impl PointLabels<'_> {
         let coarse = self.mapper.params().grows().and_then(|_| self.mapper.coarse());
         let of_grid = |cell: CellId| coarse.map_or(Some(cell), |coarse| coarse.of.get(cell.index()).copied());
         let views = self.mapper.views();
-        let mut points = vec![vec![0_u64; map.planes.len()]; views.len()];
+        let mut points = vec![Seen::new(); views.len()];
         for (cell, sighting) in seen.all(views.len().saturating_sub(1)) {
             let plane = of_grid(cell).and_then(|cell| planes.get(cell.index()).copied().flatten());
-            let of_view = points.get_mut(sighting.view as usize);
-            if let Some(sum) = plane.zip(of_view).and_then(|(id, of_view)| of_view.get_mut(id.index())) {
-                *sum += u64::from(sighting.points);
+            if let Some((id, of_view)) = plane.zip(points.get_mut(sighting.view as usize)) {
+                *of_view.entry(id).or_default() += u64::from(sighting.points);
             }
         }
         face_sensors(&mut map.planes, &points, views);
@@ -187,16 +193,19 @@ struct Part {
     places: Vec<[f32; 3]>,
 }
 
-/// Finds the cells and places of points, and hands them out together with their labels, on all threads.
-fn in_parts<T: Send>(
+/// Finds the cells and places of points, and hands them out together with their labels, on all threads, which each have one of what
+/// `begin` makes for as many parts as they take on end.
+fn in_parts<T>(
     grid: &VoxelGrid,
     chunk: &Scan,
     labels: &mut [Option<PlaneId>],
-    label: impl Fn(&[Option<CellId>], &[[f32; 3]], &mut [Option<PlaneId>]) -> T + Sync,
-) -> Vec<T> {
+    begin: impl Fn() -> T + Sync,
+    label: impl Fn(&mut T, &[Option<CellId>], &[[f32; 3]], &mut [Option<PlaneId>]) + Sync,
+) {
     let frame = chunk.frame();
     let parts = chunk.points().par_chunks(AT_ONCE).zip(labels.par_chunks_mut(AT_ONCE));
-    let of_part = |part: &mut Part, (points, labels): (&[[f64; 3]], &mut [Option<PlaneId>])| {
+    let of_part = |(part, of_thread): &mut (Part, T),
+                   (points, labels): (&[[f64; 3]], &mut [Option<PlaneId>])| {
         let Part { world, cells, places } = part;
         let points = match frame {
             Frame::World { .. } => points,
@@ -209,7 +218,7 @@ fn in_parts<T: Send>(
         cells.clear();
         places.clear();
         grid.find_all(points, cells, places);
-        label(cells, places, labels)
+        label(of_thread, cells, places, labels);
     };
-    parts.map_init(Part::default, of_part).collect()
+    parts.for_each_init(|| (Part::default(), begin()), of_part);
 }

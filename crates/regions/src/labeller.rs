@@ -132,6 +132,34 @@ impl Units {
 /// Labels of so many points on end are counted apart: to count one takes as long as several, if it has to wait for the one before.
 const LANES: usize = 4;
 
+/// What points measure that are labelled, plane by plane. It is as large as there are planes, and meant to be used for one part of the
+/// points after the other: a place has many planes, and a part of it few.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    counts: Vec<[u64; LANES]>,
+    beyond: Vec<Total>,
+}
+
+impl Tally {
+    /// What the points of each plane measure.
+    fn each(&self) -> impl Iterator<Item = Measure> {
+        let sums = self.counts.iter().zip(&self.beyond);
+        sums.map(|(counts, beyond)| Measure { points: counts.iter().sum(), beyond: *beyond })
+    }
+
+    /// Hands out the numbers of the planes that points were of, and what they measure; the tally is as new.
+    pub fn take(&mut self, mut take: impl FnMut(u32, Measure)) {
+        let Self { counts, beyond } = self;
+        for (plane, (counts, beyond)) in (0..).zip(counts.iter_mut().zip(beyond)) {
+            let measure = Measure { points: counts.iter().sum(), beyond: *beyond };
+            if measure != Measure::default() {
+                take(plane, measure);
+                (*counts, *beyond) = ([0; LANES], Total::default());
+            }
+        }
+    }
+}
+
 impl Labeller {
     /// `number` is that of the plane which points of a region are of in a cell, if it is one; `anchors` are those of the field.
     pub(crate) fn of(
@@ -200,10 +228,28 @@ impl Labeller {
     pub fn label_all<P>(
         &self,
         points: impl Iterator<Item = (Option<u32>, [f32; 3], P)>,
-        mut label: impl FnMut(P, Option<u32>),
+        label: impl FnMut(P, Option<u32>),
     ) -> Vec<Measure> {
-        let mut counts = vec![[0_u64; LANES]; self.planes.len()];
-        let mut beyond = vec![Total::default(); self.planes.len()];
+        let mut tally = self.tally();
+        self.label_into(points, &mut tally, label);
+        tally.each().collect()
+    }
+
+    /// A tally of no points.
+    pub fn tally(&self) -> Tally {
+        let planes = self.planes.len();
+        Tally { counts: vec![[0; LANES]; planes], beyond: vec![Total::default(); planes] }
+    }
+
+    /// As [`label_all`](Self::label_all), for points that are a few of many: they are added to those of a tally, whose size is that of all
+    /// planes. One that was made by another labeller knows fewer planes, or more.
+    pub fn label_into<P>(
+        &self,
+        points: impl Iterator<Item = (Option<u32>, [f32; 3], P)>,
+        tally: &mut Tally,
+        mut label: impl FnMut(P, Option<u32>),
+    ) {
+        let Tally { counts, beyond } = tally;
         for (at, (cell, [x, y, z], point)) in points.enumerate() {
             let Some(cell) = cell.and_then(|cell| self.cells.get(cell as usize)) else {
                 label(point, None);
@@ -214,15 +260,13 @@ impl Labeller {
             } else if cell.is_unknown() {
                 None
             } else {
-                self.label_other(cell, x, y, z, &mut beyond)
+                self.label_other(cell, x, y, z, beyond)
             };
             if let Some(count) = plane.and_then(|plane| counts.get_mut(plane as usize)) {
                 count[at % LANES] += 1;
             }
             label(point, plane);
         }
-        let sums = counts.iter().zip(beyond);
-        sums.map(|(counts, beyond)| Measure { points: counts.iter().sum(), beyond }).collect()
     }
 
     /// The number of the plane that a point is of, if it is not of the only plane near its cell; measures what the sums of the cell do

@@ -102,7 +102,7 @@ pub use bend::{Bend, Column};
 pub use cell::Cell;
 pub use error::{RegionsError, SampleError};
 pub use field::Field;
-pub use labeller::{Labeller, Measure};
+pub use labeller::{Labeller, Measure, Tally};
 pub use labels::Points;
 pub use samples::{PartOf, Sample, Samples, Together};
 pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};

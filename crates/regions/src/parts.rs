@@ -8,10 +8,12 @@ use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
-/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this: two
-/// halves may be two planes, but a few rows of points are one.
+/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this, or
+/// parts that are wide the first: two halves may be two planes, and so may the floors of many rooms, but a few rows of points are one.
 const FEW_CRUMBS: f64 = 0.85;
 const IN_LARGEST: f64 = 0.4;
+/// A group within a part touches at least so many others of it, as eight do on a plane; of a wide part half of the points are in such groups.
+const WITHIN: usize = 6;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
@@ -33,6 +35,8 @@ struct Parts {
     /// By group, the part.
     of: Vec<usize>,
     points: Vec<u64>,
+    /// Those of groups within a part.
+    within: Vec<u64>,
 }
 
 /// Takes apart the regions that fall into parts: the region of each piece then, and for each new number the region it was taken from.
@@ -71,8 +75,13 @@ pub(crate) fn take_apart(
         let sum = |of: &dyn Fn(&Parts) -> u64| found.iter().map(|(_, parts)| of(parts)).sum::<u64>() as f64;
         let (all, largest) = (sum(&Parts::all), sum(&|parts| parts.points.first().copied().unwrap_or(0)));
         let planes = sum(&|parts| parts.planes(parts.least(fewest, share)).map(|(_, points)| points).sum());
+        let wide = sum(&|parts| {
+            let planes = parts.planes(parts.least(fewest, share));
+            planes.filter(|(rank, points)| 2 * parts.within[*rank] >= *points).map(|(_, points)| points).sum()
+        });
         let hang_together = largest >= HANG_TOGETHER * all;
-        let fall_apart = || planes >= FEW_CRUMBS * all && largest >= IN_LARGEST * all;
+        let fall_apart =
+            || planes >= FEW_CRUMBS * all && (largest >= IN_LARGEST * all || wide >= FEW_CRUMBS * all);
         (hang_together || resolution >= COARSE && fall_apart()).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
@@ -100,9 +109,11 @@ impl Parts {
         self.points.iter().sum()
     }
 
-    /// The points that make a part a plane, beside the largest: so many, and this share of all.
+    /// The points that make a part a plane, beside the largest: so many, and this share of all; where all are more than the largest and a few
+    /// others, this share of as many as would be all then.
     fn least(&self, fewest: f64, share: f64) -> f64 {
-        fewest.max(share * self.all() as f64)
+        let largest = self.points.first().copied().unwrap_or(0) as f64;
+        fewest.max(share * (self.all() as f64).min(largest / IN_LARGEST))
     }
 
     /// Ranks and points of the parts that are planes of their own: the largest, and what has so many points.
@@ -155,13 +166,19 @@ impl Groups {
                 self.spread(level, marks, &mut of, first, |_| true);
             }
         }
+        // Groups of the region that touch are of one part, but where they hold much else: there it makes little difference.
+        let touched = |group: &u32| {
+            level.near(*group as usize).iter().filter(|near| marks[**near as usize].is_some()).count()
+        };
+        let is_within: Vec<bool> = self.numbers.iter().map(|group| touched(group) >= WITHIN).collect();
         for group in &self.numbers {
             marks[*group as usize] = None;
         }
         let of: Vec<usize> = of.into_iter().flatten().collect();
-        let mut points: Vec<u64> = vec![0; parts];
-        for (part, of_group) in of.iter().zip(&self.points) {
+        let (mut points, mut within) = (vec![0; parts], vec![0; parts]);
+        for ((part, of_group), is_within) in of.iter().zip(&self.points).zip(is_within) {
             points[*part] += of_group;
+            within[*part] += if is_within { *of_group } else { 0 };
         }
         // Stable: among equals the one that was found first.
         let mut ranks: Vec<usize> = (0..points.len()).collect();
@@ -172,7 +189,8 @@ impl Groups {
         }
         Parts {
             of: of.into_iter().map(|part| rank_of[part]).collect(),
-            points: ranks.into_iter().map(|part| points[part]).collect(),
+            points: ranks.iter().map(|part| points[*part]).collect(),
+            within: ranks.iter().map(|part| within[*part]).collect(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Puts a building together from surfaces and views.
 
-use crate::scene::{Scene, SceneKind, ScenePlane};
+use crate::kind::SceneKind;
+use crate::scene::{Scene, ScenePlane};
 use crate::sensor::{Sensor, View};
 use crate::shape::{Cylinder, Rectangle, Shape, Sphere};
 use crate::vector::Vec3;
@@ -73,11 +74,33 @@ impl Builder {
     #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
     pub(crate) fn view(&mut self, sensor: Sensor, rotation: [Vec3; 3], position: Vec3) {
         let pose = Pose::new(rotation, position).expect("the view has a rotation");
-        self.scene.views.push(View { sensor, in_building: pose, in_world: pose });
+        let view = View { sensor, in_room: pose, room: [0.0; 3], planes_before: 0, in_world: pose };
+        self.scene.views.push(view);
     }
 
     pub(crate) fn finish(self) -> Scene {
         self.scene
+    }
+
+    /// What was built so far as a room, with a copy of it at each of these places.
+    #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
+    pub(crate) fn finish_copied(self, places: impl IntoIterator<Item = Vec3>) -> Scene {
+        let room = self.scene;
+        let mut building = Scene { planes: Vec::new(), views: Vec::new(), ..room.clone() };
+        for place in places {
+            let moved = Pose::new(Pose::IDENTITY.rotation(), place)
+                .map_err(Into::into)
+                .and_then(|pose| room.transformed(&pose))
+                .expect("the place is a number of metres");
+            let before = building.planes.len();
+            building.planes.extend(moved.planes.into_iter().zip(before..).map(|(plane, index)| ScenePlane {
+                id: PlaneId::from_index(index).expect("few planes"),
+                ..plane
+            }));
+            let views = moved.views.into_iter();
+            building.views.extend(views.map(|view| View { room: place, planes_before: before, ..view }));
+        }
+        building
     }
 
     /// The finished scene, rotated.

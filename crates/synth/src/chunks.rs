@@ -107,16 +107,16 @@ impl<'a> Chunks<'a> {
         // The buildings are closed, so that a second ray is needed only when rounding opens a gap between two walls.
         loop {
             let direction = view.sensor.direction(k, n, &mut self.rng);
-            let origin = view.in_building.translation();
-            let ray = Ray { origin, direction: view.in_building.rotate(direction) };
+            let origin = view.in_room.translation();
+            let ray = Ray { origin, direction: view.in_room.rotate(direction) };
             if let Some(Hit { distance, plane }) = self.scene.cast(&ray) {
                 let sigma = self.sigma.unwrap_or_else(|| view.sensor.sigma(direction, distance));
                 let range = distance + sigma * self.gauss.sample(&mut self.rng);
                 return Measured {
                     position: direction.map(|x| x * range),
                     sigma,
-                    plane,
-                    truth: ray.at(distance),
+                    plane: plane.and_then(|id| view.plane_in_building(id)),
+                    truth: add_scaled(ray.at(distance), 1.0, view.room),
                 };
             }
         }

@@ -1,4 +1,5 @@
-//! Synthetic scans of scenes whose planes are known: a table, a furnished room, a corridor; and noisy copies of scans.
+//! Synthetic scans of scenes whose planes are known: a table, a furnished room, a building of such rooms, a
+//! corridor; and noisy copies of scans.
 //!
 //! A plane finder is judged against the truth, and truth by hand is never quite true. Here a sensor is simulated: rays
 //! end on the nearest surface of a building, the label of a point is the surface its ray met, and the planes are those
@@ -11,6 +12,7 @@
 //! | [`Scene::strip`] | one plane of 0.9 × 0.3 m, 1.5 m from the origin, parallel to no axis | none | as the table |
 //! | [`Scene::patch`] | one plane of 0.6 × 0.6 m at the same place | none | white, growing along one side from 1 to 12 mm |
 //! | [`Scene::room`] | 5 × 4 × 2.6 m: floor, ceiling, walls, a door 6 cm behind its wall, two tables, a sideboard, a leaning board; ball, pillar and table legs | depth camera at 14 places | σ(z) = 0.0012 + 0.0019 (z − 0.4)² along the ray, z the depth |
+//! | [`Scene::building`] | such rooms side by side and above each other, one for every 100 000 points | as the room, in each | as the room |
 //! | [`Scene::corridor`] | 26 m with a right-angled bend: floor, ceiling, walls, eight doors in niches of 8 to 20 cm; pipes and a bin | lidar at 17 places | 2 cm along the ray |
 //!
 //! # Why this interface
@@ -19,7 +21,8 @@
 //! the same places gives a thousand points or a billion: [`Scene::generate`] returns them all, [`Scene::chunks`] in
 //! pieces with the same bits, so that memory stays bounded. Points come in the sensor's frame with its pose, in the order
 //! in which such a sensor delivers them; [`Synthetic::merged`] puts them into the world. [`Scene::transformed`] moves
-//! everything rigidly and leaves what the sensors measured untouched, for tests of invariance.
+//! everything rigidly and leaves what the sensors measured untouched, for tests of invariance. More points make a room
+//! denser; a building they make larger ([`Scene::sized`]), to see what cost does as a place grows.
 //!
 //! ```
 //! use terrace_synth::{Params, Scene};
@@ -103,6 +106,7 @@ mod chunks;
 mod draws;
 mod factor;
 mod gauss;
+mod kind;
 mod merge;
 mod misplaced;
 mod params;
@@ -116,9 +120,11 @@ mod synthetic;
 mod vector;
 
 pub use chunks::{Chunk, Chunks};
+pub use kind::{SceneKind, UnknownScene};
 pub use misplaced::{MisplacedError, PoseOffset, misplaced};
 pub use params::{MAX_POINTS, MAX_SIGMA, Params, SynthError};
 pub use perturb::perturbed;
-pub use scene::{Scene, SceneKind, ScenePlane, UnknownScene};
+pub use scene::{Scene, ScenePlane};
+pub use scenes::POINTS_PER_ROOM;
 pub use stated::{StatedError, stated};
 pub use synthetic::{LabelledScan, Synthetic, TruePlane};

@@ -2,84 +2,14 @@
 
 use crate::build::Surface;
 use crate::chunks::Chunks;
+use crate::kind::SceneKind;
 use crate::params::{Params, SynthError};
 use crate::scenes;
 use crate::sensor::{Sensor, View};
 use crate::shape::Ray;
 use crate::synthetic::Synthetic;
-use std::str::FromStr;
+use std::num::NonZeroU16;
 use terrace_types::{Plane, PlaneId, Pose};
-
-/// The scenes this crate knows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SceneKind {
-    /// A table top and two side panels, mutually perpendicular, under white noise.
-    Table,
-    /// A board on two panels, aligned with the axes, under white noise.
-    Desk,
-    /// A narrow plane under white noise.
-    Strip,
-    /// A square plane whose noise grows along one side.
-    Patch,
-    /// A furnished room seen by a depth camera from fourteen places.
-    Room,
-    /// A corridor with a bend, scanned by a lidar that moves along it.
-    Corridor,
-}
-
-impl SceneKind {
-    /// All scenes, in the order of their declaration.
-    pub const ALL: [Self; 6] =
-        [Self::Table, Self::Desk, Self::Strip, Self::Patch, Self::Room, Self::Corridor];
-
-    /// The name by which [`FromStr`] finds it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Table => "table",
-            Self::Desk => "desk",
-            Self::Strip => "strip",
-            Self::Patch => "patch",
-            Self::Room => "room",
-            Self::Corridor => "corridor",
-        }
-    }
-
-    /// How many points are made when the caller does not say.
-    pub fn default_points(self) -> usize {
-        match self {
-            Self::Table | Self::Desk => 30_000,
-            Self::Strip => 5_000,
-            Self::Patch => 10_000,
-            Self::Room => 300_000,
-            Self::Corridor => 400_000,
-        }
-    }
-}
-
-impl std::fmt::Display for SceneKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// There is no scene of this name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no scene {name:?}; there are table, desk, strip, patch, room and corridor")]
-pub struct UnknownScene {
-    /// The name as given.
-    pub name: String,
-}
-
-impl FromStr for SceneKind {
-    type Err = UnknownScene;
-
-    fn from_str(name: &str) -> Result<Self, UnknownScene> {
-        Self::ALL
-            .into_iter()
-            .find(|kind| kind.name() == name)
-            .ok_or_else(|| UnknownScene { name: name.to_owned() })
-    }
-}
 
 /// A plane of a scene, as built.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,12 +22,13 @@ pub struct ScenePlane {
     pub plane: Plane,
 }
 
-/// A building with known planes that can be scanned with any number of points.
+/// A place with known planes that can be scanned with any number of points.
 ///
 /// See the [crate page](crate) for an example.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) kind: SceneKind,
+    /// What rays can meet: of several equal rooms those of the first, in whose place every view is cast.
     pub(crate) surfaces: Vec<Surface>,
     pub(crate) planes: Vec<ScenePlane>,
     pub(crate) views: Vec<View>,
@@ -116,14 +47,29 @@ pub(crate) struct Hit {
 }
 
 impl Scene {
-    /// The scene of this kind.
+    /// The scene of this kind, as large as its usual number of points fills.
     pub fn new(kind: SceneKind) -> Self {
+        Self::sized(kind, kind.default_points())
+    }
+
+    /// The scene of this kind, as large as this many points fill: a building has a room for every
+    /// [`POINTS_PER_ROOM`](crate::POINTS_PER_ROOM) of them, to the nearest whole number; the others have a size of their own.
+    ///
+    /// ```
+    /// use terrace_synth::{Scene, SceneKind};
+    ///
+    /// let room = Scene::room().planes().len();
+    /// assert_eq!(Scene::sized(SceneKind::Building, 1_000_000).planes().len(), 10 * room);
+    /// assert_eq!(Scene::sized(SceneKind::Room, 1_000_000).planes().len(), room);
+    /// ```
+    pub fn sized(kind: SceneKind, points: usize) -> Self {
         match kind {
             SceneKind::Table => Self::table(),
             SceneKind::Desk => Self::desk(),
             SceneKind::Strip => Self::strip(),
             SceneKind::Patch => Self::patch(),
             SceneKind::Room => Self::room(),
+            SceneKind::Building => Self::building(scenes::rooms_for(points)),
             SceneKind::Corridor => Self::corridor(),
         }
     }
@@ -157,6 +103,14 @@ impl Scene {
     /// ball and a pillar, seen by a depth camera from fourteen places, with the noise of a Kinect along each ray.
     pub fn room() -> Self {
         scenes::room()
+    }
+
+    /// Copies of [`Scene::room`] side by side and above each other, as near to a cube as whole rooms allow: a place that
+    /// grows with its rooms and is everywhere as dense. Walls are 0.3 m thick, ceilings 0.4 m, and nothing is seen from one
+    /// room in another. The rooms follow each other along x, then y, then z, and so do their views and planes: those of the
+    /// second room come after all of the first, with the same names.
+    pub fn building(rooms: NonZeroU16) -> Self {
+        scenes::building(rooms)
     }
 
     /// A corridor of 26 m, 2.5 m wide and 2.8 m high, with a right-angled bend, eight doors in niches of different
@@ -222,7 +176,7 @@ impl Scene {
         Chunks::new(self, params, size.max(1))
     }
 
-    /// The nearest surface along a ray of the building's frame.
+    /// The nearest surface along a ray of the room's frame.
     pub(crate) fn cast(&self, ray: &Ray) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         for surface in &self.surfaces {
@@ -272,7 +226,7 @@ mod tests {
         ) {
             prop_assume!(length(direction) > 0.1);
             let scene = if room { Scene::room() } else { Scene::corridor() };
-            let origin = scene.views[view].in_building.translation();
+            let origin = scene.views[view].in_room.translation();
             let ray = Ray { origin, direction: unit(direction) };
             let hit = scene.cast(&ray).unwrap();
             let end = ray.at(hit.distance);
@@ -299,7 +253,7 @@ mod tests {
 
     #[test]
     fn buildings_are_closed() {
-        for scene in [Scene::room(), Scene::corridor()] {
+        for scene in [Scene::room(), Scene::building(NonZeroU16::MIN.saturating_add(2)), Scene::corridor()] {
             for view in &scene.views {
                 for k in 0..2_000 {
                     // Directions on a spiral over the sphere.
@@ -307,7 +261,7 @@ mod tests {
                     let (sin, cos) = (f64::from(k) * 2.4).sin_cos();
                     let across = (1.0 - z * z).sqrt();
                     let ray = Ray {
-                        origin: view.in_building.translation(),
+                        origin: view.in_room.translation(),
                         direction: [across * cos, across * sin, z],
                     };
                     assert!(scene.cast(&ray).is_some());

@@ -2,7 +2,7 @@
 
 use crate::vector::{Vec3, cross, sub, unit};
 use rand::{Rng, RngExt};
-use terrace_types::Pose;
+use terrace_types::{PlaneId, Pose};
 
 /// Half the field of view of a 640×480 depth camera of focal length 525, as tangents along x and y.
 const CAMERA_TANGENTS: [f64; 2] = [319.5 / 525.0, 239.5 / 525.0];
@@ -20,14 +20,25 @@ pub(crate) enum Sensor {
     Lidar,
 }
 
-/// A sensor at a place of the building.
+/// A sensor at a place of a room, of which a building has one or many.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
     pub(crate) sensor: Sensor,
-    /// From the sensor to the building, where rays are cast.
-    pub(crate) in_building: Pose,
+    /// From the sensor to its room, where rays are cast.
+    pub(crate) in_room: Pose,
+    /// Where the room is in the building.
+    pub(crate) room: Vec3,
+    /// How many planes of the building come before those of the room.
+    pub(crate) planes_before: usize,
     /// From the sensor to the world, the building having been moved.
     pub(crate) in_world: Pose,
+}
+
+impl View {
+    /// The identity in the building of a plane of the room.
+    pub(crate) fn plane_in_building(&self, of_room: PlaneId) -> Option<PlaneId> {
+        PlaneId::from_index(self.planes_before + of_room.index())
+    }
 }
 
 impl Sensor {

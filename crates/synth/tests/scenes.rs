@@ -130,8 +130,9 @@ fn numbers_of_points_out_of_range_are_refused() {
 fn every_plane_is_seen_from_its_front_at_ten_thousand_points() {
     for kind in SceneKind::ALL {
         for seed in 0..5 {
-            let made =
-                Scene::new(kind).generate(&Params { points: Some(10_000), sigma: Some(0.0), seed }).unwrap();
+            let made = Scene::sized(kind, 10_000)
+                .generate(&Params { points: Some(10_000), sigma: Some(0.0), seed })
+                .unwrap();
             for plane in &made.planes {
                 assert!(plane.points >= 10, "{kind}: {} has {} points", plane.name, plane.points);
                 let centroid = plane.centroid.unwrap();

@@ -2,9 +2,9 @@
 
 use terrace_io::planes_json::{PlaneRecord, PlanesFile, Summary};
 use terrace_io::{LabelsWriter, MeasuredPoint, PlyExtent, PlyWriter};
-use terrace_synth::{Params, Scene, TruePlane};
+use terrace_synth::{Params, Scene, SceneKind, TruePlane};
 
-use crate::args::{self, SynthArgs};
+use crate::args::SynthArgs;
 use crate::error::CliError;
 use crate::progress::Progress;
 
@@ -26,21 +26,15 @@ struct Made {
 
 /// Makes the points chunk by chunk and writes each as it comes, so that memory does not grow with their number.
 pub fn run(args: &SynthArgs) -> Result<(), CliError> {
-    let scene = match args.scene {
-        args::Scene::Table => Scene::table(),
-        args::Scene::Desk => Scene::desk(),
-        args::Scene::Strip => Scene::strip(),
-        args::Scene::Patch => Scene::patch(),
-        args::Scene::Room => Scene::room(),
-        args::Scene::Corridor => Scene::corridor(),
-    };
+    let kind = SceneKind::from(args.scene);
+    let points = args.points.unwrap_or(kind.default_points());
+    let scene = Scene::sized(kind, points);
     let params = Params { points: args.points, sigma: args.sigma, seed: args.seed };
-    let count = args.points.unwrap_or(scene.kind().default_points()) as u64;
     let mut progress = Progress::new(args.quiet);
 
     // How far points reach is known when the last is made. Hardly any scene needs double precision; one that does is
     // made again, with the same points.
-    let mut extent = PlyExtent { points: count, largest: 0.0 };
+    let mut extent = PlyExtent { points: points as u64, largest: 0.0 };
     let made = loop {
         match write_scene(args, &scene, &params, extent, &mut progress)? {
             Pass::Whole(made) => break made,
@@ -49,7 +43,7 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     };
 
     let mut file = PlanesFile { planes: made.planes.iter().map(record).collect(), ..PlanesFile::default() };
-    file.parameters.insert("scene".into(), scene.kind().name().into());
+    file.parameters.insert("scene".into(), kind.name().into());
     file.parameters.insert("seed".into(), args.seed.into());
     file.parameters.insert("sigma".into(), args.sigma.into());
     file.parameters.insert("truth".into(), true.into());
@@ -65,7 +59,7 @@ pub fn run(args: &SynthArgs) -> Result<(), CliError> {
     if !args.quiet {
         outln!(
             "{}: {} points of {} planes in {}",
-            scene.kind(),
+            kind,
             made.extent.points,
             made.planes.len(),
             args.out.display()

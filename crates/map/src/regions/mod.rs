@@ -5,6 +5,7 @@ mod directed;
 mod error_level;
 mod fine;
 mod streamed;
+mod tallies;
 
 use rayon::prelude::*;
 use terrace_grid::{CellId, VoxelGrid};
@@ -14,7 +15,7 @@ use terrace_stats::{Moments, UncertainVector};
 use terrace_types::{Plane, PlaneId};
 
 use crate::estimate::{Errors, Owned, estimate_planes};
-use crate::facing::face_sensors;
+use crate::facing::{Seen, face_sensors};
 use crate::first::used_of;
 use crate::nodes::Nodes;
 use crate::packed::unpacked;
@@ -25,6 +26,7 @@ use crate::{
 use coplanar::joined;
 use fine::{Fine, Places};
 pub(crate) use streamed::RegionLabels;
+use tallies::{Borrowed, Measures, Tallies};
 
 /// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
 const MOSTLY: f64 = 0.9;
@@ -64,7 +66,7 @@ impl Mapper {
             let renamed = |id: &mut Option<PlaneId>| *id = id.and_then(|id| numbers[id.index()]);
             labels.par_iter_mut().with_min_len(AT_ONCE).for_each(renamed);
         }
-        let seen = renumbered(&by_view, &numbers, map.planes.len());
+        let seen = renumbered(&by_view, &numbers);
         face_sensors(&mut map.planes, &seen, self.views());
         map.labels = labels;
         Ok(map)
@@ -72,16 +74,12 @@ impl Mapper {
 }
 
 /// How many points of each plane each view saw, by the numbers that planes have now.
-pub(crate) fn renumbered(
-    by_view: &[Vec<Measure>],
-    numbers: &[Option<PlaneId>],
-    planes: usize,
-) -> Vec<Vec<u64>> {
-    let of_view = |measures: &Vec<Measure>| {
-        let mut seen = vec![0; planes];
-        for (measure, number) in measures.iter().zip(numbers) {
-            if let Some(seen) = number.and_then(|number| seen.get_mut(number.index())) {
-                *seen += measure.points;
+pub(crate) fn renumbered(by_view: &[Measures], numbers: &[Option<PlaneId>]) -> Vec<Seen> {
+    let of_view = |measures: &Measures| {
+        let mut seen = Seen::new();
+        for (region, measure) in measures {
+            if let Some(number) = numbers.get(*region as usize).copied().flatten() {
+                *seen.entry(number).or_default() += measure.points;
             }
         }
         seen
@@ -128,17 +126,17 @@ impl<'m> Grown<'m> {
     }
 
     /// The labels of all points that are kept, and what they measure, view by view.
-    fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Vec<Measure>>) {
-        let regions = self.found.regions.len();
+    fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+        let tallies = Tallies::default();
         let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
-        let mut by_view = vec![vec![Measure::default(); regions]; self.mapper.views().len()];
+        let mut by_view = vec![Measures::new(); self.mapper.views().len()];
         for kept in self.mapper.kept() {
             let first = labels.len();
             // On all threads: memory that is used for the first time is handed out by the system page by page.
             labels.par_extend(rayon::iter::repeat_n(None, kept.cells.len()));
-            let measures = self.label(&kept.cells, &kept.places, &mut labels[first..]);
+            self.label(&kept.cells, &kept.places, &mut labels[first..], &tallies);
             if let Some(of_view) = by_view.get_mut(kept.view) {
-                of_view.iter_mut().zip(&measures).for_each(|(sum, more)| sum.add(more));
+                tallies.add_to(of_view);
             }
         }
         (labels, by_view)
@@ -150,19 +148,21 @@ impl<'m> Grown<'m> {
         cells: &[Option<CellId>],
         places: &[[i16; 3]],
         labels: &mut [Option<PlaneId>],
-    ) -> Vec<Measure> {
+        tallies: &Tallies,
+    ) {
         let parts =
             cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
         let unit = self.mapper.fine().map_or(1.0, VoxelGrid::place_unit);
-        let of_parts: Vec<Vec<Measure>> = parts
-            .map(|((cells, packed), labels)| {
+        let labeller = &self.found.labeller;
+        parts.for_each_init(
+            || tallies.borrow(labeller),
+            |tally, ((cells, packed), labels)| {
                 let points = cells.iter().zip(unpacked(packed, unit)).zip(labels);
-                label_each(&self.found.labeller, &self.fine.places, points, |region| {
+                label_each(labeller, &self.fine.places, points, tally, |region| {
                     PlaneId::from_index(region as usize)
-                })
-            })
-            .collect();
-        summed(&of_parts, self.found.regions.len())
+                });
+            },
+        );
     }
 
     /// The planes with their covariances, joined where that is asked for.
@@ -223,17 +223,20 @@ fn label_each<'p>(
     labeller: &Labeller,
     places: &Places,
     points: impl Iterator<Item = ((&'p Option<CellId>, [f32; 3]), &'p mut Option<PlaneId>)>,
+    measured: &mut Borrowed<'_>,
     number: impl Fn(u32) -> Option<PlaneId>,
-) -> Vec<Measure> {
+) {
     let points = points.map(|((cell, place), label)| (cell.and_then(|cell| places.of(cell)), place, label));
-    labeller.label_all(points, |label, found| *label = found.and_then(&number))
+    labeller.label_into(points, &mut measured.tally, |label, found| *label = found.and_then(&number));
 }
 
-/// What parts of the points measure together, by region.
-fn summed(parts: &[Vec<Measure>], regions: usize) -> Vec<Measure> {
+/// What the points of all views measure together, by region.
+fn summed(by_view: &[Measures], regions: usize) -> Vec<Measure> {
     let mut measures = vec![Measure::default(); regions];
-    for of_part in parts {
-        measures.iter_mut().zip(of_part).for_each(|(sum, more)| sum.add(more));
+    for (region, more) in by_view.iter().flatten() {
+        if let Some(sum) = measures.get_mut(*region as usize) {
+            sum.add(more);
+        }
     }
     measures
 }

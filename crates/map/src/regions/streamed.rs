@@ -1,12 +1,14 @@
 //! Regions whose points are not kept: planes first, labels as the points are read again.
 
 use terrace_grid::CellId;
-use terrace_regions::{Labeller, Measure};
+use terrace_regions::Labeller;
 use terrace_types::PlaneId;
 
 use super::coplanar::add_points;
 use super::fine::Places;
+use super::tallies::{Borrowed, Measures, Tallies};
 use super::{Grown, Planes, label_each, renumbered, summed};
+use crate::facing::Seen;
 use crate::{ExtractError, ExtractedPlane, Mapper, PlaneMap, Regions, Stage};
 
 /// Tells points of regions, and measures those it has told.
@@ -18,8 +20,9 @@ pub(crate) struct RegionLabels {
     numbers: Vec<Option<PlaneId>>,
     /// The plane of each cell of the grid.
     pub(crate) of_cells: Vec<Option<PlaneId>>,
+    tallies: Tallies,
     /// The points of each region that each view saw.
-    by_view: Vec<Vec<Measure>>,
+    by_view: Vec<Measures>,
 }
 
 impl Mapper {
@@ -34,33 +37,38 @@ impl Mapper {
         let regions = grown.found.regions.len();
         let Planes { map, joined, labeller, places, of_cells } = grown.planes();
         let numbers = joined.unwrap_or_else(|| (0..regions).map(PlaneId::from_index).collect());
-        let by_view = vec![vec![Measure::default(); regions]; self.views().len()];
-        Ok((map, RegionLabels { labeller, places, numbers, of_cells, by_view }))
+        let (tallies, by_view) = (Tallies::default(), vec![Measures::new(); self.views().len()]);
+        Ok((map, RegionLabels { labeller, places, numbers, of_cells, tallies, by_view }))
     }
 }
 
 impl RegionLabels {
+    /// What a thread counts in the points that it labels.
+    pub(crate) fn tally(&self) -> Borrowed<'_> {
+        self.tallies.borrow(&self.labeller)
+    }
+
     /// Labels points by their cells and places, and measures them.
     pub(crate) fn label(
         &self,
         cells: &[Option<CellId>],
         places: &[[f32; 3]],
         labels: &mut [Option<PlaneId>],
-    ) -> Vec<Measure> {
+        tally: &mut Borrowed<'_>,
+    ) {
         let number = |region: u32| self.numbers.get(region as usize).copied().flatten();
         let points = cells.iter().zip(places.iter().copied()).zip(labels);
-        label_each(&self.labeller, &self.places, points, number)
+        label_each(&self.labeller, &self.places, points, tally, number);
     }
 
-    /// Adds what points of a view measure.
-    pub(crate) fn add(&mut self, view: usize, measures: &[Measure]) {
-        if let Some(sums) = self.by_view.get_mut(view) {
-            sums.iter_mut().zip(measures).for_each(|(sum, more)| sum.add(more));
-        }
+    /// What points measure that were labelled since the last time is that of points of a view; of no view, if they are not to count.
+    pub(crate) fn counted(&mut self, view: Option<usize>) {
+        let mut of_none = Measures::new();
+        self.tallies.add_to(view.and_then(|view| self.by_view.get_mut(view)).unwrap_or(&mut of_none));
     }
 
     /// Gives the planes the points that were labelled, and tells how many of each plane each view saw.
-    pub(crate) fn finish(&self, planes: &mut [ExtractedPlane]) -> Vec<Vec<u64>> {
+    pub(crate) fn finish(&self, planes: &mut [ExtractedPlane]) -> Vec<Seen> {
         let measures = summed(&self.by_view, self.numbers.len());
         for plane in &mut *planes {
             plane.points = 0;
@@ -77,6 +85,6 @@ impl RegionLabels {
                 add_points(plane, measure.points, mean, rms);
             }
         }
-        renumbered(&self.by_view, &self.numbers, planes.len())
+        renumbered(&self.by_view, &self.numbers)
     }
 }

@@ -1,7 +1,8 @@
 //! A corridor with a bend, scanned by a lidar that moves along it.
 
 use crate::build::Builder;
-use crate::scene::{Scene, SceneKind};
+use crate::kind::SceneKind;
+use crate::scene::Scene;
 use crate::sensor::{Sensor, yaw_pitch_roll};
 use crate::shape::Rectangle;
 use crate::vector::{Vec3, add_scaled, cross};

@@ -1,7 +1,8 @@
 //! Three planes in the shape of a desk, as section VI-A of the paper is read for its Table I.
 
 use crate::build::Builder;
-use crate::scene::{Scene, SceneKind};
+use crate::kind::SceneKind;
+use crate::scene::Scene;
 use crate::shape::Rectangle;
 
 pub(crate) fn desk() -> Scene {

@@ -1,7 +1,8 @@
 //! Single rectangles in front of the origin, for what a plane is known by: its length, and which of its points are good.
 
 use crate::build::Builder;
-use crate::scene::{Scene, SceneKind};
+use crate::kind::SceneKind;
+use crate::scene::Scene;
 use crate::sensor::yaw_pitch_roll;
 use crate::shape::Rectangle;
 

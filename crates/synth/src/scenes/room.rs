@@ -1,14 +1,15 @@
 //! A furnished room seen by a depth camera.
 
 use crate::build::Builder;
-use crate::scene::{Scene, SceneKind};
+use crate::kind::SceneKind;
+use crate::scene::Scene;
 use crate::sensor::{Sensor, look_at};
 use crate::shape::Rectangle;
 use crate::vector::Vec3;
 
-const LENGTH: f64 = 5.0;
-const WIDTH: f64 = 4.0;
-const HEIGHT: f64 = 2.6;
+pub(super) const LENGTH: f64 = 5.0;
+pub(super) const WIDTH: f64 = 4.0;
+pub(super) const HEIGHT: f64 = 2.6;
 
 const X: Vec3 = [1.0, 0.0, 0.0];
 const Y: Vec3 = [0.0, 1.0, 0.0];
@@ -34,6 +35,12 @@ const VIEWS: [(Vec3, Vec3); 14] = [
 
 pub(crate) fn room() -> Scene {
     let mut b = Builder::new(SceneKind::Room);
+    furnish(&mut b);
+    b.finish()
+}
+
+/// Everything in the room, and where it is seen from.
+pub(super) fn furnish(b: &mut Builder) {
     let scaled = |edge: Vec3, s: f64| edge.map(|e| e * s);
     b.plane("floor", [Rectangle::new([0.0; 3], scaled(X, LENGTH), scaled(Y, WIDTH))]);
     b.plane("ceiling", [Rectangle::new([0.0, 0.0, HEIGHT], scaled(Y, WIDTH), scaled(X, LENGTH))]);
@@ -42,7 +49,7 @@ pub(crate) fn room() -> Scene {
     let wall_y0 = Rectangle::new([0.0; 3], scaled(Z, HEIGHT), scaled(X, LENGTH));
     b.plane("wall_y0", [wall_y0.with_hole([-1.0, 2.0], [3.3, 4.2])]);
     b.plane("wall_y4", [Rectangle::new([0.0, WIDTH, 0.0], scaled(X, LENGTH), scaled(Z, HEIGHT))]);
-    door(&mut b);
+    door(b);
 
     for (name, min, size) in
         [("table_1", [1.2, 1.4, 0.74], [1.2, 0.8]), ("table_2", [2.9, 2.8, 0.68], [1.5, 0.75])]
@@ -71,7 +78,6 @@ pub(crate) fn room() -> Scene {
     for (position, target) in VIEWS {
         b.view(Sensor::Camera, look_at(position, target), position);
     }
-    b.finish()
 }
 
 /// A door 6 cm behind the wall y = 0, with its reveals and sill.

@@ -1,7 +1,8 @@
 //! Three planes in the shape of a table, after section VI-A of the paper.
 
 use crate::build::Builder;
-use crate::scene::{Scene, SceneKind};
+use crate::kind::SceneKind;
+use crate::scene::Scene;
 use crate::sensor::yaw_pitch_roll;
 use crate::shape::Rectangle;
 

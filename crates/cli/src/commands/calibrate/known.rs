@@ -5,13 +5,12 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use terrace_io::{ErrorSource, FieldChoice, ReadOptions, find_sources, read_scan};
 use terrace_noise::SensorNoise;
-use terrace_synth::{LabelledScan, Scene};
+use terrace_synth::{LabelledScan, Scene, SceneKind};
 use terrace_trials::{KnownPlace, Outcome, PointNoise, Trials};
 use terrace_types::Pose;
 
 use super::record::{Record, exceedance, of_calibration};
 use super::{labels, params, qq, table};
-use crate::args;
 use crate::calibrate_args::CalibrateArgs;
 use crate::commands::extract::read_options;
 use crate::error::CliError;
@@ -22,15 +21,13 @@ const CORRIDOR: &str = "lidar:range=0.02,angle=0.05deg";
 const ROOM: &str = "kinect";
 
 /// Copies of a built scene.
-pub fn scene(args: &CalibrateArgs, kind: args::Scene) -> Result<(), CliError> {
-    let (scene, usual) = match kind {
-        args::Scene::Table => (Scene::table(), None),
-        args::Scene::Desk => (Scene::desk(), None),
-        args::Scene::Strip => (Scene::strip(), None),
-        args::Scene::Patch => (Scene::patch(), None),
-        args::Scene::Room => (Scene::room(), Some(ROOM)),
-        args::Scene::Corridor => (Scene::corridor(), Some(CORRIDOR)),
+pub fn scene(args: &CalibrateArgs, kind: SceneKind) -> Result<(), CliError> {
+    let usual = match kind {
+        SceneKind::Table | SceneKind::Desk | SceneKind::Strip | SceneKind::Patch => None,
+        SceneKind::Room | SceneKind::Building => Some(ROOM),
+        SceneKind::Corridor => Some(CORRIDOR),
     };
+    let scene = Scene::sized(kind, args.points.unwrap_or(kind.default_points()));
     let scene = match args.offset {
         Some(offset) => scene.transformed(
             &Pose::new(Pose::IDENTITY.rotation(), offset)
@@ -45,7 +42,7 @@ pub fn scene(args: &CalibrateArgs, kind: args::Scene) -> Result<(), CliError> {
         }
         (None, None) => PointNoise::Own,
     };
-    let name = scene.kind().name();
+    let name = kind.name();
     let place = KnownPlace::Built { scene: Box::new(scene), points: args.points };
     let mut record = Record::new("scene", args);
     record.parameter("scene", name);

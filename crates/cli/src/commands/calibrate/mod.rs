@@ -23,7 +23,7 @@ pub fn run(args: &CalibrateArgs) -> Result<(), CliError> {
         pool = pool.num_threads(threads.into());
     }
     pool.build()?.install(|| match (&args.scene, args.labels.is_empty()) {
-        (Some(scene), _) => known::scene(args, *scene),
+        (Some(scene), _) => known::scene(args, (*scene).into()),
         (None, false) => known::scans(args),
         (None, true) => against::run(args),
     })

@@ -7,6 +7,10 @@
 //! scans are extracted again, as a program does that goes on: the last of three is printed beside, as a whole.
 //!
 //! `cargo bench -p terrace-benches --bench extract`
+//!
+//! With `--growth` the place grows with the points instead: [`growth`].
+
+mod growth;
 
 use std::error::Error;
 use std::process::{Command, ExitCode, Stdio};
@@ -15,7 +19,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 use terrace::{Mapper, Params, Scan, Stage};
 use terrace_benches::{Usage, scenes};
-use terrace_synth::Scene;
+use terrace_synth::{Scene, SceneKind};
 
 const RUNS: usize = 3;
 /// Extractions in a process.
@@ -31,7 +35,10 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match args.iter().position(|a| a == "--case") {
         Some(at) => case(&args[at + 1..]),
-        None if args.iter().any(|a| a == "--bench") => table(),
+        None if args.iter().any(|a| a == "--bench") => match args.iter().position(|a| a == "--growth") {
+            Some(at) => growth::table(args.get(at + 1).map(String::as_str)),
+            None => table(),
+        },
         None => {
             println!("nothing is measured without `cargo bench`");
             Ok(())
@@ -173,9 +180,13 @@ fn column(stage: Stage) -> usize {
 }
 
 fn load(input: &str) -> Outcome<Vec<Scan>> {
-    if let Some(points) = input.strip_prefix("synth:") {
-        let params = terrace_synth::Params { points: Some(points.parse()?), ..Default::default() };
-        let scene = Scene::room();
+    let scenes = [("synth:", SceneKind::Room), ("building:", SceneKind::Building)];
+    if let Some((points, kind)) =
+        scenes.into_iter().find_map(|(prefix, kind)| Some((input.strip_prefix(prefix)?, kind)))
+    {
+        let points = points.parse()?;
+        let params = terrace_synth::Params { points: Some(points), ..Default::default() };
+        let scene = Scene::sized(kind, points);
         // A view at a time, so that labels, which are not needed here, do not raise the peak.
         return Ok(scene.chunks(&params, usize::MAX)?.map(|chunk| chunk.scan.scan).collect());
     }

@@ -1,0 +1,44 @@
+//! What a point costs as a place grows, a building of rooms that are all alike: a method that is linear takes the same for each.
+//!
+//! `cargo bench -p terrace-benches --bench extract -- --growth [POINTS]`, from 10⁵ points to ten times as many and so on, up to 10⁷ or
+//! POINTS; on one thread, with all points in memory.
+
+use crate::{Outcome, RUNS, Row, STAGES, run, work};
+
+const FEWEST: usize = 100_000;
+const MOST: usize = 10_000_000;
+
+/// Prints a row for each number of points, and how far rows are apart.
+pub(crate) fn table(most: Option<&str>) -> Outcome<()> {
+    // Cargo adds its own argument after those that are given to it.
+    let most = most.filter(|most| *most != "--bench").map(str::parse).transpose()?.unwrap_or(MOST);
+    println!("CPU nanoseconds a point, the run of {RUNS} that takes least");
+    println!(
+        "| points | {} | all but load | bytes a point at the peak | peak MiB | planes |",
+        STAGES.join(" | ")
+    );
+    println!("|{}", "---|".repeat(STAGES.len() + 5));
+    let mut all = Vec::new();
+    let sizes = std::iter::successors(Some(FEWEST), |points| points.checked_mul(10));
+    for points in sizes.take_while(|points| *points <= most) {
+        let input = format!("building:{points}");
+        let runs = (0..RUNS).map(|_| run(&input, "default", "1")).collect::<Outcome<Vec<Row>>>()?;
+        let Some(row) = runs.iter().min_by(|a, b| work(a).total_cmp(&work(b))) else { continue };
+        all.push(print_row(row));
+    }
+    let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+    println!();
+    println!("the most for a point is {:.2} times the least", high / low);
+    Ok(())
+}
+
+/// What a point costs without the load.
+fn print_row(row: &Row) -> f64 {
+    let [points, planes, _, peak, _] = [0, 1, 2, 3, 4].map(|i| row[STAGES.len() + i]);
+    let a_point = |seconds: f64| 1e9 * seconds / points;
+    let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{:.0}", a_point(*s))).collect();
+    let all = a_point(work(row));
+    let bytes = peak * 1_048_576.0 / points;
+    println!("| {points} | {} | {all:.0} | {bytes:.0} | {peak:.0} | {planes} |", stages.join(" | "));
+    all
+}

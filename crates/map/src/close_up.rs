@@ -1,0 +1,148 @@
+//! All points of a few places of a scan that is too large to keep.
+
+use crate::cell_sample::scrambled;
+
+/// So many points are kept at most, of at least about so many voxels: a few thousand of each, so that few are at its sides.
+const MOST: usize = 1 << 19;
+const VOXELS: usize = 1 << 7;
+/// Voxels are halved at most so often: points that are still in one are in one place.
+const LEVELS: u32 = 60;
+/// Bits that tell voxels apart when they are counted, many more than are counted.
+const MARKS: usize = 1 << 12;
+
+/// The points of voxels that are drawn by their keys. A share of all points is as far from its neighbours as the share is small, and at last as
+/// surfaces are from each other; here they are as close as they are.
+///
+/// When there are too many points, half of the voxels are dropped, or, where there are few voxels left, those of half the edge take their
+/// place. What is left is as if it had been drawn so from the first point on.
+#[derive(Debug, Clone)]
+pub(crate) struct CloseUp {
+    draws: Vec<Draw>,
+    points: Vec<[f64; 3]>,
+}
+
+/// Voxels of which those are kept whose hash is up to a threshold.
+#[derive(Debug, Clone, Copy)]
+struct Draw {
+    level: u32,
+    per_edge: f64,
+    threshold: u32,
+}
+
+impl CloseUp {
+    /// Of the first points of a scan, absent ones among them.
+    pub(crate) fn of(points: &[[f64; 3]]) -> Self {
+        let present = points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite()));
+        let points: Vec<[f64; 3]> = present.collect();
+        let reach = points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let all = Draw { level: 0, per_edge: 1.0 / reach, threshold: u32::MAX };
+        let mut close_up = Self { draws: vec![all], points };
+        close_up.shrink();
+        close_up
+    }
+
+    pub(crate) fn push(&mut self, point: [f64; 3]) {
+        if point.iter().all(|x| x.is_finite()) && self.draws.iter().all(|draw| draw.keeps(&point)) {
+            self.points.push(point);
+            if self.points.len() > MOST {
+                self.shrink();
+            }
+        }
+    }
+
+    /// One in so many of the points, drawn by their numbers.
+    pub(crate) fn one_in(&self, so_many: u64) -> Vec<[f64; 3]> {
+        let drawn = self.points.iter().zip(0..).filter(|(_, number)| scrambled(*number) % so_many == 0);
+        drawn.map(|(point, _)| *point).collect()
+    }
+
+    fn shrink(&mut self) {
+        while let Some(draw) = self.draws.last_mut().filter(|_| self.points.len() > MOST) {
+            if draw.voxels(&self.points) >= 2 * VOXELS {
+                draw.threshold /= 2;
+                let draw = *draw;
+                self.points.retain(|point| draw.keeps(point));
+            } else if draw.level < LEVELS {
+                let finer =
+                    Draw { level: draw.level + 1, per_edge: 2.0 * draw.per_edge, threshold: u32::MAX };
+                if draw.threshold == u32::MAX {
+                    *draw = finer;
+                } else {
+                    self.draws.push(finer);
+                }
+            } else {
+                self.points.truncate(MOST);
+            }
+        }
+    }
+}
+
+impl Draw {
+    fn keeps(&self, point: &[f64; 3]) -> bool {
+        self.threshold == u32::MAX || self.hash(point) <= self.threshold
+    }
+
+    /// A number that looks drawn at random, the same for all points of a voxel.
+    fn hash(&self, point: &[f64; 3]) -> u32 {
+        // Saturates for what is beyond the world, where many share a voxel.
+        #[allow(clippy::cast_possible_truncation)]
+        let [x, y, z] = point.map(|x| ((x * self.per_edge).floor() as i64).cast_unsigned());
+        let mix = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ y.wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            ^ z.wrapping_mul(0x94d0_49bb_1331_11eb)
+            ^ u64::from(self.level);
+        let mix = (mix ^ mix >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
+        (mix >> 32) as u32
+    }
+
+    /// How many voxels hold points, as far as [`MARKS`] tell them apart.
+    fn voxels(&self, points: &[[f64; 3]]) -> usize {
+        let mut seen = [false; MARKS];
+        for point in points {
+            // The lowest bits: thresholds are of the highest.
+            seen[self.hash(point) as usize % MARKS] = true;
+        }
+        seen.iter().filter(|seen| **seen).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet(side: u32, spacing: f64) -> Vec<[f64; 3]> {
+        let place = |k: u32| spacing * (f64::from(k) + 0.25);
+        (0..side * side).map(|k| [place(k % side), place(k / side), 0.0]).collect()
+    }
+
+    #[test]
+    fn points_of_kept_voxels_are_all_there_whenever_they_come() {
+        let points = sheet(2048, 0.01);
+        let (first, rest) = points.split_at(1 << 20);
+        let mut close_up = CloseUp::of(first);
+        rest.iter().for_each(|point| close_up.push(*point));
+        assert!(close_up.points.len() <= MOST && close_up.points.len() > MOST / 8);
+        let kept: Vec<_> =
+            points.iter().filter(|point| close_up.draws.iter().all(|draw| draw.keeps(point))).collect();
+        assert_eq!(kept, close_up.points.iter().collect::<Vec<_>>());
+        let last = close_up.draws.last().unwrap();
+        assert!(last.voxels(&close_up.points) >= VOXELS / 2);
+        // Nearly all have their four neighbours.
+        let set: std::collections::HashSet<_> =
+            close_up.points.iter().map(|p| [0, 1].map(|i| (p[i] / 0.01) as i32)).collect();
+        let whole = |[x, y]: &[i32; 2]| {
+            [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().all(|[i, j]| set.contains(&[x + i, y + j]))
+        };
+        let share = set.iter().filter(|key| whole(key)).count() as f64 / set.len() as f64;
+        assert!(share > 0.8, "{share}");
+    }
+
+    #[test]
+    fn points_in_one_place_and_absent_ones_come_to_an_end() {
+        for point in [[0.0; 3], [1.0, -2.0, 3.0], [1e300; 3], [f64::NAN; 3]] {
+            let mut close_up = CloseUp::of(&vec![point; MOST + 1]);
+            (0..10).for_each(|_| close_up.push(point));
+            assert!(close_up.points.len() <= MOST);
+        }
+    }
+}
