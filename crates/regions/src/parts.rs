@@ -10,8 +10,8 @@ use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
-/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this, or
-/// parts that are wide the first: two halves may be two planes, and so may the floors of many rooms, but a few rows of points are one.
+/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts, or
+/// wide ones, this: two halves may be two planes, and so may the floors of many rooms, but a few rows of points are one.
 const FEW_CRUMBS: f64 = 0.85;
 const IN_LARGEST: f64 = 0.4;
 /// Wide parts are so many groups wide.
@@ -96,7 +96,7 @@ pub(crate) fn take_apart(
             of_each.sum::<u64>() as f64
         };
         let fall_apart =
-            || planes >= FEW_CRUMBS * all && (largest >= IN_LARGEST * all || wide() >= FEW_CRUMBS * all);
+            || planes >= FEW_CRUMBS * all && (largest >= IN_LARGEST * all || wide() >= IN_LARGEST * all);
         (hang_together || resolution >= COARSE && fall_apart()).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
