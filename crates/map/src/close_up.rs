@@ -54,7 +54,8 @@ impl CloseUp {
 
     /// One in so many of the points, drawn by their numbers.
     pub(crate) fn one_in(&self, so_many: u64) -> Vec<[f64; 3]> {
-        let drawn = self.points.iter().zip(0..).filter(|(_, number)| scrambled(*number) % so_many == 0);
+        let drawn =
+            self.points.iter().zip(0..).filter(|(_, number)| scrambled(*number).is_multiple_of(so_many));
         drawn.map(|(point, _)| *point).collect()
     }
 
@@ -119,11 +120,14 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::cast_possible_truncation, reason = "a few thousand")]
     fn points_of_kept_voxels_are_all_there_whenever_they_come() {
         let points = sheet(2048, 0.01);
         let (first, rest) = points.split_at(1 << 20);
         let mut close_up = CloseUp::of(first);
-        rest.iter().for_each(|point| close_up.push(*point));
+        for point in rest {
+            close_up.push(*point);
+        }
         assert!(close_up.points.len() <= MOST && close_up.points.len() > MOST / 8);
         let kept: Vec<_> =
             points.iter().filter(|point| close_up.draws.iter().all(|draw| draw.keeps(point))).collect();
@@ -132,8 +136,8 @@ mod tests {
         assert!(last.voxels(&close_up.points) >= VOXELS / 2);
         // Nearly all have their four neighbours.
         let set: std::collections::HashSet<_> =
-            close_up.points.iter().map(|p| [0, 1].map(|i| (p[i] / 0.01) as i32)).collect();
-        let whole = |[x, y]: &[i32; 2]| {
+            close_up.points.iter().map(|p| [0, 1].map(|i| (p[i] / 0.01).floor() as i64)).collect();
+        let whole = |[x, y]: &[i64; 2]| {
             [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().all(|[i, j]| set.contains(&[x + i, y + j]))
         };
         let share = set.iter().filter(|key| whole(key)).count() as f64 / set.len() as f64;
@@ -157,7 +161,9 @@ mod tests {
     fn points_in_one_place_and_absent_ones_come_to_an_end() {
         for point in [[0.0; 3], [1.0, -2.0, 3.0], [1e300; 3], [f64::NAN; 3]] {
             let mut close_up = CloseUp::of(&vec![point; MOST + 1]);
-            (0..10).for_each(|_| close_up.push(point));
+            for _ in 0..10 {
+                close_up.push(point);
+            }
             assert!(close_up.points.len() <= MOST);
         }
     }

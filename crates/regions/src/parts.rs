@@ -87,7 +87,7 @@ pub(crate) fn take_apart(
                     Some((field.keys[cell], parts.of[place]))
                 });
                 let width =
-                    |cells: Option<Stats>| width(&cells?).map(|width| width / (1_u32 << resolution) as f64);
+                    |cells: Option<Stats>| width(&cells?).map(|width| width / f64::from(1_u32 << resolution));
                 let widths = by_part(ranked, planes).into_iter().map(width);
                 let wide =
                     widths.zip(&parts.points).filter(|(width, _)| width.is_some_and(|width| width >= WIDE));
