@@ -1,6 +1,8 @@
 //! Regions that fall into parts.
 
 use rayon::prelude::*;
+use terrace_normals::symmetric_eigen;
+use terrace_stats::{Stats, UncertainVector};
 
 use crate::field::{COARSE, Field};
 use crate::labels::Piece;
@@ -8,15 +10,17 @@ use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
-/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts this, or
-/// parts that are wide the first: two halves may be two planes, and so may the floors of many rooms, but a few rows of points are one.
+/// They fall apart into what is large enough for planes when that holds this share, the rest being crumbs, and the largest parts, or
+/// wide ones, this: two halves may be two planes, and so may the floors of many rooms, but a few rows of points are one.
 const FEW_CRUMBS: f64 = 0.85;
 const IN_LARGEST: f64 = 0.4;
-/// A group within a part touches at least so many others of it, as eight do on a plane; of a wide part half of the points are in such groups.
-const WITHIN: usize = 6;
+/// Wide parts are so many groups wide.
+const WIDE: f64 = 8.0;
 /// A plane hangs together by the groups that have this share of their points on it: a gap is narrower than the groups beside it
 /// on one lattice, and wider on another.
 const SOLID: f64 = 0.85;
+/// And this share of the points of a usual group: noise leaves a few points of walls in the gap between two rooms.
+const FILLED: f64 = 0.2;
 
 /// Groups that are handed to a thread at once.
 const AT_ONCE: usize = 1024;
@@ -26,7 +30,7 @@ struct Groups {
     /// In rising order.
     numbers: Vec<u32>,
     points: Vec<u64>,
-    /// Whether nearly all points of a group are of the region.
+    /// Whether nearly all points of a group are of the region, and not few.
     solid: Vec<bool>,
 }
 
@@ -35,8 +39,6 @@ struct Parts {
     /// By group, the part.
     of: Vec<usize>,
     points: Vec<u64>,
-    /// Those of groups within a part.
-    within: Vec<u64>,
 }
 
 /// Takes apart the regions that fall into parts: the region of each piece then, and for each new number the region it was taken from.
@@ -66,7 +68,7 @@ pub(crate) fn take_apart(
         let found = of_region.par_iter().map_init(
             || vec![None; level.len()],
             |marks, of| {
-                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at]));
+                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at])).without_thin();
                 let parts = groups.parts(level, marks);
                 (groups, parts)
             },
@@ -75,13 +77,26 @@ pub(crate) fn take_apart(
         let sum = |of: &dyn Fn(&Parts) -> u64| found.iter().map(|(_, parts)| of(parts)).sum::<u64>() as f64;
         let (all, largest) = (sum(&Parts::all), sum(&|parts| parts.points.first().copied().unwrap_or(0)));
         let planes = sum(&|parts| parts.planes(parts.least(fewest, share)).map(|(_, points)| points).sum());
-        let wide = sum(&|parts| {
-            let planes = parts.planes(parts.least(fewest, share));
-            planes.filter(|(rank, points)| 2 * parts.within[*rank] >= *points).map(|(_, points)| points).sum()
-        });
         let hang_together = largest >= HANG_TOGETHER * all;
+        let wide = || {
+            let of_each = of_region.par_iter().zip(&found).map(|(of, (groups, parts))| {
+                let planes = parts.planes(parts.least(fewest, share)).count();
+                let ranked = of.iter().filter_map(|at| {
+                    let cell = pieces[*at].cell as usize;
+                    let place = groups.numbers.binary_search(&level.group(cell)).ok()?;
+                    Some((field.keys[cell], parts.of[place]))
+                });
+                let width =
+                    |cells: Option<Stats>| width(&cells?).map(|width| width / f64::from(1_u32 << resolution));
+                let widths = by_part(ranked, planes).into_iter().map(width);
+                let wide =
+                    widths.zip(&parts.points).filter(|(width, _)| width.is_some_and(|width| width >= WIDE));
+                wide.map(|(_, points)| *points).sum::<u64>()
+            });
+            of_each.sum::<u64>() as f64
+        };
         let fall_apart =
-            || planes >= FEW_CRUMBS * all && (largest >= IN_LARGEST * all || wide >= FEW_CRUMBS * all);
+            || planes >= FEW_CRUMBS * all && (largest >= IN_LARGEST * all || wide() >= IN_LARGEST * all);
         (hang_together || resolution >= COARSE && fall_apart()).then_some((level, found))
     });
     let Some((level, found)) = apart else { return (numbers, from) };
@@ -101,6 +116,25 @@ pub(crate) fn take_apart(
         }
     }
     (numbers, from)
+}
+
+/// Of the cells of the first parts, by their keys and parts, how their keys scatter.
+fn by_part(cells: impl Iterator<Item = ([i32; 3], usize)>, parts: usize) -> Vec<Option<Stats>> {
+    let mut stats: Vec<Option<Stats>> = vec![None; parts];
+    for (key, part) in cells {
+        if let Some(stats) = stats.get_mut(part) {
+            let key = key.map(f64::from);
+            stats.get_or_insert(Stats::new(key)).push(&UncertainVector::exact(key));
+        }
+    }
+    stats
+}
+
+/// Across its length, as if it were a rectangle.
+fn width(cells: &Stats) -> Option<f64> {
+    let [_, across, _] = symmetric_eigen(&cells.covariance()?).values;
+    // A strip of the width w scatters by w² / 12.
+    Some((12.0 * across).max(0.0).sqrt())
 }
 
 impl Parts {
@@ -140,6 +174,17 @@ impl Groups {
         Self { numbers, points, solid }
     }
 
+    /// Groups with few points, by what is usual among these, lead to no other part.
+    fn without_thin(mut self) -> Self {
+        let mut sorted = self.points.clone();
+        sorted.sort_unstable();
+        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0) as f64;
+        for (solid, points) in self.solid.iter_mut().zip(&self.points) {
+            *solid &= *points as f64 >= FILLED * usual;
+        }
+        self
+    }
+
     /// `marks` holds nothing, before and after.
     fn parts(&self, level: &Level, marks: &mut [Option<u32>]) -> Parts {
         for (place, group) in (0..).zip(&self.numbers) {
@@ -166,19 +211,13 @@ impl Groups {
                 self.spread(level, marks, &mut of, first, |_| true);
             }
         }
-        // Groups of the region that touch are of one part, but where they hold much else: there it makes little difference.
-        let touched = |group: &u32| {
-            level.near(*group as usize).iter().filter(|near| marks[**near as usize].is_some()).count()
-        };
-        let is_within: Vec<bool> = self.numbers.iter().map(|group| touched(group) >= WITHIN).collect();
         for group in &self.numbers {
             marks[*group as usize] = None;
         }
         let of: Vec<usize> = of.into_iter().flatten().collect();
-        let (mut points, mut within) = (vec![0; parts], vec![0; parts]);
-        for ((part, of_group), is_within) in of.iter().zip(&self.points).zip(is_within) {
+        let mut points: Vec<u64> = vec![0; parts];
+        for (part, of_group) in of.iter().zip(&self.points) {
             points[*part] += of_group;
-            within[*part] += if is_within { *of_group } else { 0 };
         }
         // Stable: among equals the one that was found first.
         let mut ranks: Vec<usize> = (0..points.len()).collect();
@@ -189,8 +228,7 @@ impl Groups {
         }
         Parts {
             of: of.into_iter().map(|part| rank_of[part]).collect(),
-            points: ranks.iter().map(|part| points[*part]).collect(),
-            within: ranks.iter().map(|part| within[*part]).collect(),
+            points: ranks.into_iter().map(|part| points[part]).collect(),
         }
     }
 
@@ -294,6 +332,44 @@ mod tests {
             prop_assert_eq!(found, brute_force(&keys, &points, level));
         }
     }
+    /// Sheets of 12 by 12 groups with gaps of two, and one point in each group between the first two.
+    #[test]
+    fn sheets_beside_each_other_are_wide_parts_though_noise_is_between_them() {
+        let mut cells: Vec<([i32; 3], u32)> = (0..4 * 144)
+            .map(|k| ([k % 12 + 14 * (k / 144), k / 12 % 12, 0], 20))
+            .chain((0..24).map(|k| ([12 + k % 2, k / 2, 0], 1)))
+            .collect();
+        cells.sort_unstable();
+        let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
+        let points: Vec<u32> = order.iter().map(|at| cells[*at as usize].1).collect();
+        let level = Level::all(&sorted, &[], 1).pop().unwrap();
+        let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
+        let held: Vec<f64> = points.iter().map(|points| f64::from(*points)).collect();
+        let parts = |groups: Groups| groups.parts(&level, &mut vec![None; level.len()]);
+        let touching = parts(Groups::of(&level, &held, pieces.iter()));
+        assert_eq!(touching.points, vec![2 * 2880 + 24, 2880, 2880]);
+        let apart = parts(Groups::of(&level, &held, pieces.iter()).without_thin());
+        assert_eq!(apart.points.iter().sum::<u64>(), 4 * 2880 + 24);
+        assert!(apart.points.iter().all(|points| (2880..=2904).contains(points)), "{:?}", apart.points);
+        let ranked = pieces
+            .iter()
+            .map(|piece| (cells[order[piece.cell as usize] as usize].0, apart.of[piece.cell as usize]));
+        for stats in by_part(ranked, 4) {
+            assert!((11.5..13.0).contains(&width(&stats.unwrap()).unwrap()));
+        }
+        // Each holds a quarter: of many, that is a plane, and of few a tenth is.
+        assert_eq!(apart.planes(apart.least(20.0, 0.1)).count(), 4);
+    }
+
+    #[test]
+    fn rows_are_as_wide_as_a_group() {
+        for diagonal in [0, 1] {
+            let row = (0..60).map(|k| ([k, diagonal * k, 0], 0));
+            let found = by_part(row, 1).into_iter().flatten().map(|cells| width(&cells).unwrap());
+            assert!(found.map(|width| assert!(width < 1.0)).count() == 1);
+        }
+    }
+
     #[test]
     fn groups_that_hold_much_else_lead_to_no_other_part() {
         // A row of nine cells, of which the fifth is half of something else, and a tenth apart.

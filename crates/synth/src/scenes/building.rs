@@ -39,8 +39,14 @@ fn counts(rooms: u16) -> [u64; 3] {
     let mut counts = [1; 3];
     while counts.iter().product::<u64>() < u64::from(rooms) {
         let longer = [0, 1, 2].map(|axis| (counts[axis] + 1) as f64 * PITCH[axis]);
-        let shortest = (0..3).min_by(|a, b| longer[*a].total_cmp(&longer[*b]));
-        shortest.into_iter().for_each(|axis| counts[axis] += 1);
+        let shortest = if longer[0] <= longer[1] && longer[0] <= longer[2] {
+            0
+        } else if longer[1] <= longer[2] {
+            1
+        } else {
+            2
+        };
+        counts[shortest] += 1;
     }
     counts
 }
