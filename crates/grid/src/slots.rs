@@ -56,7 +56,6 @@ mod tests {
     use super::*;
     use terrace_stats::Moments;
 
-
     #[test]
     fn slots_are_where_they_were_put() {
         let mut slots = Slots::default();

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use crate::cell::Sums;
+use crate::ends::End;
 use crate::field::Field;
 use crate::flat::Flat;
-use crate::ends::End;
 use crate::near::{Group, Near, Nearby, Within};
 use crate::of_cells::OfCells;
 
