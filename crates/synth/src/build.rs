@@ -82,8 +82,12 @@ impl Builder {
         self.scene
     }
 
-    /// What was built so far as a room, with a copy of it at each of these places.
-    #[expect(clippy::expect_used, reason = "fixed buildings, see the type")]
+    /// What was built so far as a room, with a copy of it at each of these places: at most 65 535, in steps of a
+    /// room, so that less than a million planes are numbered with 32 bits, and all places are finite.
+    #[expect(
+        clippy::expect_used,
+        reason = "rooms are counted with 16 bits, and places are multiples of a room"
+    )]
     pub(crate) fn finish_copied(self, places: impl IntoIterator<Item = Vec3>) -> Scene {
         let room = self.scene;
         let mut building = Scene { planes: Vec::new(), views: Vec::new(), ..room.clone() };
