@@ -198,7 +198,7 @@ impl Labeller {
             }
             let first = mixed.len();
             for near in nearby.regions() {
-                let at = near.ends.0 + place_of(&ends);
+                let at = near.ends.0.saturating_add(place_of(&ends));
                 mixed.push(Near { region: number(near.region), ends: (at, near.ends.1), ..*near });
             }
             if mixed[first..].iter().all(|near| near.region == NONE) {
