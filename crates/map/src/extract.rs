@@ -1,6 +1,7 @@
 //! From the grid to planes.
 
 use rayon::prelude::*;
+use terrace_grid::VoxelGrid;
 use terrace_normals::{canonical, fit_plane};
 use terrace_stats::Stats;
 use terrace_types::{Plane, PlaneId};
@@ -93,20 +94,19 @@ impl Mapper {
 
         begins(Stage::Label { points: self.len() });
         let First { grid, nodes, used, clustered, .. } = first;
-        let (mut planes, plane_of_node) = fit_parts(&parts, &nodes, self.params().min_cells);
+        let (mut planes, plane_of_node) = fit_parts(&parts, (grid, &nodes), self.params().min_cells);
         let mut plane_of_cell = vec![None; grid.len()];
         for (cell, plane) in nodes.dense.cells().iter().zip(&plane_of_node) {
             plane_of_cell[cell.index()] = *plane;
         }
         let estimated = self.params().estimate.filter(|_| self.params().by_place()).map(|settings| {
-            let errors = Errors::of(self, &nodes, settings.floor);
+            let errors = Errors::of(self, nodes.know_errors(grid), settings.floor);
             let cells = Owned { grid, nodes: &nodes, plane_of_cell: &plane_of_cell, tau: used.tau, errors };
             estimate_planes(&mut planes, cells, &plane_of_node)
         });
         let noise = estimated.and_then(|errors| errors.level);
         let cells = nodes
-            .stats
-            .iter()
+            .all_stats(grid)
             .zip(plane_of_node)
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }))
             .collect();
@@ -144,14 +144,14 @@ fn improve(first: &First<'_>, params: &Params) -> Result<(Vec<Part>, Vec<Optimis
 /// The planes of the parts with enough cells, sorted by points, and the plane of each node.
 pub(crate) fn fit_parts(
     parts: &[Part],
-    nodes: &Nodes,
+    (grid, nodes): (&VoxelGrid, &Nodes),
     min_cells: usize,
 ) -> (Vec<ExtractedPlane>, Vec<Option<PlaneId>>) {
     let mut fitted: Vec<(Stats, Plane, f64, &Part)> = parts
         .iter()
         .filter(|part| part.nodes.len() >= min_cells)
         .filter_map(|part| {
-            let stats = union(part, nodes)?;
+            let stats = union(part, (grid, nodes))?;
             let fit = fit_plane(&stats).ok()?;
             let plane = Plane::through(fit.centroid, canonical(fit.normal)).ok()?;
             Some((stats, plane, fit.rms(), part))
@@ -185,10 +185,10 @@ pub(crate) fn fit_parts(
     (planes, plane_of_node)
 }
 
-fn union(part: &Part, nodes: &Nodes) -> Option<Stats> {
-    let mut all = Stats::new(nodes.stats.get(*part.nodes.first()? as usize)?.anchor());
+fn union(part: &Part, (grid, nodes): (&VoxelGrid, &Nodes)) -> Option<Stats> {
+    let mut all = Stats::new(nodes.stats(grid, *part.nodes.first()? as usize)?.anchor());
     for node in &part.nodes {
-        all.merge(&nodes.stats[*node as usize]);
+        all.merge(&nodes.stats(grid, *node as usize)?);
     }
     Some(all)
 }

@@ -1,24 +1,19 @@
 //! Sums of cells that are quickly added.
 
-use std::borrow::Borrow;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use terrace_stats::Stats;
 
-use crate::level::Level;
+use crate::cell::Sums;
+use crate::level::{Level, number};
 use crate::sum::Sum;
 
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
 
-/// The sums of cells, about the anchor of the cube that each is in.
+/// The cubes along the curve: sums of cells are added about the anchor of the one that each is in.
 #[derive(Debug)]
-pub(crate) struct Anchored {
-    pub(crate) sums: Vec<Sum>,
-    /// The cubes along the curve.
-    cubes: Vec<Cube>,
-}
+pub(crate) struct Anchored(Vec<Cube>);
 
 /// Cells that follow each other, with their sums about one anchor.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +21,33 @@ struct Cube {
     /// The first of them, and that after the last.
     cells: [u32; 2],
     anchor: DVec3,
+}
+
+/// Cells that follow each other with their sums, as they are asked for one cell after the other: most of what a cell touches is near it.
+#[derive(Default)]
+struct Window {
+    first: usize,
+    sums: Vec<Sum>,
+}
+
+impl Window {
+    /// Takes the cells in whose midst a cell is.
+    fn move_to(&mut self, cell: usize, anchored: &Anchored, cells: &[Sums]) {
+        if self.sums.is_empty() || cell / AT_ONCE != self.first / AT_ONCE {
+            self.first = cell / AT_ONCE * AT_ONCE;
+            self.sums.clear();
+            let of_window = cells.iter().zip(0..).skip(self.first).take(AT_ONCE);
+            self.sums.extend(of_window.map(|(sums, cell)| sums.about(anchored.anchor_of(cell))));
+        }
+    }
+
+    #[inline]
+    fn sum_of(&self, cell: usize, anchored: &Anchored, cells: &[Sums]) -> Sum {
+        match self.sums.get(cell.wrapping_sub(self.first)) {
+            Some(sum) => *sum,
+            None => cells[cell].about(anchored.anchor_of(number(cell))),
+        }
+    }
 }
 
 impl Cube {
@@ -39,7 +61,7 @@ impl Cube {
 const CUBE: u32 = 6;
 
 impl Anchored {
-    /// The cubes of cells along the curve, without their sums; `anchor` tells that of a cell.
+    /// The cubes of cells along the curve; `anchor` tells that of a cell.
     pub(crate) fn cubes(keys: &[[u32; 3]], anchor: impl Fn(usize) -> DVec3) -> Self {
         let mut cubes: Vec<Cube> = Vec::new();
         let mut first = 0;
@@ -50,12 +72,12 @@ impl Anchored {
             cubes.push(Cube { cells, anchor: anchor(first) });
             first = end;
         }
-        Self { sums: Vec::new(), cubes }
+        Self(cubes)
     }
 
     /// The cube of a cell: there are few.
     fn cube_of(&self, cell: u32) -> &Cube {
-        &self.cubes[self.cubes.partition_point(|cube| cube.cells[1] <= cell)]
+        &self.0[self.0.partition_point(|cube| cube.cells[1] <= cell)]
     }
 
     /// What the sums of a cell are about.
@@ -64,28 +86,23 @@ impl Anchored {
     }
 
     /// Of a group alone.
-    pub(crate) fn sum_of(&self, level: &Level, group: usize) -> Sum {
-        let mut sum = Sum::ZERO;
-        level.cells(group).for_each(|cell| sum.add(&self.sums[cell as usize]));
+    pub(crate) fn sum_of(&self, level: &Level, cells: &[Sums], group: usize) -> Sum {
+        let (mut sum, anchor) = (Sum::ZERO, self.anchor_of(level.cells(group).start));
+        level.cells(group).for_each(|cell| sum.add(&cells[cell as usize].about(anchor)));
         sum
     }
 
     /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone.
-    pub(crate) fn sum_around<S: Borrow<Sum>>(
-        &self,
-        level: &Level,
-        group: usize,
-        own: impl Fn(usize) -> S,
-    ) -> Sum {
+    pub(crate) fn sum_around(&self, level: &Level, group: usize, own: impl Fn(usize) -> Sum) -> Sum {
         let first = |group: usize| level.cells(group).start;
         let here = self.cube_of(first(group));
-        let mut sum = *own(group).borrow();
+        let mut sum = own(group);
         for near in level.near(group).iter().map(|near| *near as usize) {
             if here.holds(first(near)) {
-                sum.add(own(near).borrow());
+                sum.add(&own(near));
             } else {
                 let apart = self.anchor_of(first(near)) - here.anchor;
-                sum.add(&own(near).borrow().translated(apart));
+                sum.add(&own(near).translated(apart));
             }
         }
         sum
@@ -94,37 +111,53 @@ impl Anchored {
     /// What is asked of the sums of each cell and of those it touches, by their level.
     pub(crate) fn around_cells<'a, T: Send>(
         &'a self,
-        cells: &'a Level,
+        level: &'a Level,
+        cells: &'a [Sums],
         ask: impl Fn(usize, Sum) -> T + Sync + Send + 'a,
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
-        let around = move |cell| ask(cell, self.sum_around(cells, cell, |cell| &self.sums[cell]));
-        (0..cells.len()).into_par_iter().with_min_len(AT_ONCE).map(around)
+        let around = move |window: &mut Window, cell| {
+            window.move_to(cell, self, cells);
+            ask(cell, self.sum_around(level, cell, |cell| window.sum_of(cell, self, cells)))
+        };
+        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
     }
 
-    /// What is asked of the sums of each group of a level and of those it touches.
-    pub(crate) fn around<T: Send>(&self, level: &Level, ask: impl Fn(Sum) -> T + Sync) -> Vec<T> {
-        // Groups are within a cube.
-        let groups = || (0..level.len()).into_par_iter().with_min_len(AT_ONCE);
-        let own: Vec<Sum> = groups().map(|group| self.sum_of(level, group)).collect();
-        groups().map(|group| ask(self.sum_around(level, group, |group| &own[group]))).collect()
+    /// What is asked of the sums of each group of a level and of those it touches, by those of each alone.
+    pub(crate) fn around<T: Send>(
+        &self,
+        level: &Level,
+        own: &[Sum],
+        ask: impl Fn(Sum) -> T + Sync,
+    ) -> Vec<T> {
+        let around = |group| ask(self.sum_around(level, group, |group| own[group]));
+        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
+    }
+
+    /// The sums of each group of a level, by those of cells.
+    pub(crate) fn of_groups(&self, level: &Level, cells: &[Sums]) -> Vec<Sum> {
+        let groups = (0..level.len()).into_par_iter().with_min_len(AT_ONCE);
+        groups.map(|group| self.sum_of(level, cells, group)).collect()
+    }
+
+    /// The sums of each group of a level, by those of the level below.
+    pub(crate) fn of_level(level: &Level, below: &Level, of_below: &[Sum]) -> Vec<Sum> {
+        let of_group = |group: usize| {
+            let (mut sum, cells) = (Sum::ZERO, level.cells(group));
+            // Groups are within a cube, and have cells.
+            let parts = below.group(cells.start as usize)..=below.group(cells.end as usize - 1);
+            parts.for_each(|part| sum.add(&of_below[part as usize]));
+            sum
+        };
+        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(of_group).collect()
     }
 
     /// The sums of all of some cells, about the anchor of the first.
-    pub(crate) fn union(&self, cells: &[u32]) -> Option<Stats> {
+    pub(crate) fn union(&self, all: &[Sums], cells: &[u32]) -> Option<Stats> {
         let anchor = self.anchor_of(*cells.first()?);
-        let mut all = Sum::ZERO;
-        let mut left = cells;
-        while let Some(first) = left.first() {
-            let cube = self.cube_of(*first);
-            let (of_cube, rest) =
-                left.split_at(left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len()));
-            let mut sum = Sum::ZERO;
-            for cell in of_cube {
-                sum.add(&self.sums[*cell as usize]);
-            }
-            all.add(&sum.translated(cube.anchor - anchor));
-            left = rest;
+        let mut sum = Sum::ZERO;
+        for cell in cells {
+            sum.add(&all[*cell as usize].about(anchor));
         }
-        Some(all.stats(anchor))
+        Some(sum.stats(anchor))
     }
 }

@@ -211,6 +211,7 @@ pub(crate) fn told(sum: &Sum, edge: f64) -> (Bounded, Turned) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::Sums;
     use glam::DVec3;
     use proptest::prelude::*;
     use terrace_stats::UncertainVector;
@@ -236,7 +237,7 @@ mod tests {
                 let place = rotation * (DVec3::from(*place) * sizes);
                 stats.push(&UncertainVector::isotropic(place.to_array(), 1e-3));
             }
-            let sum = Sum::of(&stats, DVec3::ZERO);
+            let sum = Sums::of(&stats).unwrap().about(DVec3::ZERO);
             let around = Around::of(&stats);
             let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
             let plane = Flat { normal, point: DVec3::ZERO };

@@ -4,6 +4,7 @@ use glam::DVec3;
 use terrace_stats::{Stats, SymmetricMatrix3};
 
 use crate::flat::Flat;
+use crate::sum::Sum;
 
 /// A cell of points: where it is in the lattice, and the sums of its points with their errors.
 ///
@@ -51,6 +52,12 @@ impl Sums {
     /// Takes other errors: the sum of their covariances.
     pub(crate) fn set_noise(&mut self, noise: SymmetricMatrix3) {
         self.noise = noise * (1.0 / self.points);
+    }
+
+    /// The sums about an anchor.
+    #[inline]
+    pub(crate) fn about(&self, anchor: DVec3) -> Sum {
+        Sum::of_mean(self.points, self.mean - anchor, &self.scatter, &self.noise)
     }
 
     /// Mean squared distance of the points from a plane, in m².

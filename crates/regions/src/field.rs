@@ -52,7 +52,6 @@ pub struct Field {
     /// Whether each is as large as a group of the next level, and alone in it; empty where none is.
     wide: Vec<bool>,
     pub(crate) levels: Vec<Level>,
-    middles: Vec<[f32; 3]>,
     anchored: Anchored,
     /// By level and group, what the sums of a group and of those it touches tell of the plane through them; while regions grow.
     pub(crate) bounded: Vec<Vec<Bounded>>,
@@ -95,7 +94,7 @@ impl Field {
         let some_wide = cells.iter().any(|(_, is_wide)| *is_wide);
         let wide: Vec<bool> =
             order.iter().take_while(|_| some_wide).map(|given| cells[*given as usize].1).collect();
-        let mut anchored = Anchored::cubes(&along, |rank| stats(order[rank] as usize).anchor().into());
+        let anchored = Anchored::cubes(&along, |rank| stats(order[rank] as usize).anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
@@ -105,16 +104,11 @@ impl Field {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
             });
-            let anchor = DVec3::from(stats.anchor());
-            // In single precision, as places of points are.
-            #[allow(clippy::cast_possible_truncation)]
-            let middle = (sums.mean - anchor).to_array().map(|x| x as f32);
-            ((sums, Sum::of(&stats, anchored.anchor_of(number(rank)))), (anchor, (middle, key)))
+            (sums, (DVec3::from(stats.anchor()), key))
         };
         let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
-        let (levels, ((sums, about), (anchors, places))) =
-            rayon::join(|| Level::all(&along, &wide, LEVELS), of_cells);
-        let (middles, keys): (_, Vec<[i32; 3]>) = places;
+        let (levels, (sums, places)) = rayon::join(|| Level::all(&along, &wide, LEVELS), of_cells);
+        let (anchors, keys): (_, Vec<[i32; 3]>) = places;
         if strange.into_inner() {
             let strange = (0..cells.len()).find(|at| Sums::of(&stats(*at)).is_none());
             return Err(RegionsError::Cell { cell: strange.unwrap_or(0) });
@@ -129,9 +123,8 @@ impl Field {
         if twice > 0 {
             return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
         }
-        anchored.sums = about;
         let (bounded, turned) = (Vec::new(), Vec::new());
-        Ok(Self { order, cells: sums, anchors, keys, wide, levels, middles, anchored, bounded, turned, edge })
+        Ok(Self { order, cells: sums, anchors, keys, wide, levels, anchored, bounded, turned, edge })
     }
 
     /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
@@ -143,7 +136,7 @@ impl Field {
                 sum.stats(self.anchored.anchor_of(number(cell))).with_anchor(self.anchors[cell].to_array());
             ask(self.order[cell] as usize, &sums)
         };
-        let found: Vec<T> = self.anchored.around_cells(level, of_cell).collect();
+        let found: Vec<T> = self.anchored.around_cells(level, &self.cells, of_cell).collect();
         let mut ranks: Vec<u32> = vec![0; self.order.len()];
         for (rank, given) in (0..).zip(&self.order) {
             ranks[*given as usize] = rank;
@@ -159,12 +152,11 @@ impl Field {
         &mut self,
         noise: impl Fn(usize) -> SymmetricMatrix3 + Sync,
     ) -> Result<(), RegionsError> {
-        let Self { order, cells, anchored, .. } = self;
-        let of_each = cells.par_iter_mut().zip(&mut anchored.sums).zip(&*order).with_min_len(AT_ONCE);
-        let strange = of_each.filter_map(|((sums, sum), given)| {
+        let Self { order, cells, .. } = self;
+        let of_each = cells.par_iter_mut().zip(&*order).with_min_len(AT_ONCE);
+        let strange = of_each.filter_map(|(sums, given)| {
             let noise = noise(*given as usize);
             sums.set_noise(noise);
-            sum.set_noise(&noise);
             (!noise.is_finite()).then_some(*given as usize)
         });
         strange.min().map_or(Ok(()), |cell| Err(RegionsError::Cell { cell }))
@@ -173,17 +165,25 @@ impl Field {
     /// Finds what only growth asks for.
     pub(crate) fn begin_growth(&mut self) {
         let Some((cells, coarser)) = self.levels.split_first() else { return };
-        let edge = self.edge;
-        let (finest, turned) = self.anchored.around_cells(cells, |_, sum| told(&sum, edge)).unzip();
+        let (edge, anchored) = (self.edge, &self.anchored);
+        let (finest, turned) = anchored.around_cells(cells, &self.cells, |_, sum| told(&sum, edge)).unzip();
         let of_group = |sum: Sum| Bounded::of(&sum, &EigenvalueBounds::of(&sum.covariance()), edge);
-        let bounded = coarser.iter().map(|level| self.anchored.around(level, of_group));
-        self.bounded = std::iter::once(finest).chain(bounded).collect();
-        self.turned = turned;
+        let mut bounded = vec![finest];
+        let mut below: Option<(&Level, Vec<Sum>)> = None;
+        for level in coarser {
+            let own = match below {
+                None => anchored.of_groups(level, &self.cells),
+                Some((below, of_below)) => Anchored::of_level(level, below, &of_below),
+            };
+            bounded.push(anchored.around(level, &own, of_group));
+            below = Some((level, own));
+        }
+        (self.bounded, self.turned) = (bounded, turned);
     }
 
     /// Forgets what only growth asks for: it is a good share of all that is known of a cell.
     pub(crate) fn end_growth(&mut self) {
-        (self.bounded, self.turned, self.anchored.sums) = (Vec::new(), Vec::new(), Vec::new());
+        (self.bounded, self.turned) = (Vec::new(), Vec::new());
     }
 
     /// The edge of a group of the level that suits noise and spacing, in metres.
@@ -217,18 +217,22 @@ impl Field {
 
     /// The plane of some cells.
     pub(crate) fn fit(&self, cells: &[u32], noise: Noise) -> Option<Fitted> {
-        Fitted::of(self.anchored.union(cells)?, noise)
+        Fitted::of(self.anchored.union(&self.cells, cells)?, noise)
     }
 
     /// The mean of the points of a cell, from its anchor: a place to look at where no other is known.
-    pub(crate) fn middle(&self, cell: usize) -> &[[f32; 3]] {
-        self.middles.get(cell..=cell).unwrap_or(&[])
+    // In single precision, as places of points are.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn middle(&self, cell: usize) -> Option<[f32; 3]> {
+        let (sums, anchor) = (self.cells.get(cell)?, self.anchors.get(cell)?);
+        Some((sums.mean - anchor).to_array().map(|x| x as f32))
     }
 
     /// The sums of a group and of those it touches: taken anew, for few are asked for.
     pub(crate) fn stats_around(&self, level: usize, group: usize) -> Stats {
         let level = &self.levels[level];
-        let sum = self.anchored.sum_around(level, group, |group| self.anchored.sum_of(level, group));
+        let sum =
+            self.anchored.sum_around(level, group, |group| self.anchored.sum_of(level, &self.cells, group));
         sum.stats(self.anchored.anchor_of(level.cells(group).start))
     }
 }

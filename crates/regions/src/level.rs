@@ -13,8 +13,6 @@ const AT_ONCE: usize = 256;
 /// group follow each other, and the groups of a level those of the next.
 #[derive(Debug, Clone)]
 pub(crate) struct Level {
-    /// The upper bits of the keys.
-    keys: Vec<[u32; 3]>,
     /// Group `i` has the cells from `starts[i]` to `starts[i + 1]`.
     starts: Vec<u32>,
     /// The group of each cell.
@@ -28,40 +26,42 @@ impl Level {
     /// All resolutions, the finest first, of cells that are sorted and of different keys. `wide` tells which are as large as a group of the
     /// next level, and alone in it; it may be empty.
     pub(crate) fn all(keys: &[[u32; 3]], wide: &[bool], levels: u32) -> Vec<Self> {
-        let mut all: Vec<Self> = Vec::new();
-        let mut children: Vec<Vec<u32>> = Vec::new();
-        for _ in 0..levels {
-            let (of_groups, starts) = match all.last() {
-                None => (keys.to_vec(), (0..=number(keys.len())).collect()),
-                Some(below) => runs(&below.keys),
-            };
-            let cells: Vec<u32> = match all.last() {
-                None => starts.clone(),
-                Some(below) => starts.iter().map(|child| below.starts[*child as usize]).collect(),
-            };
-            let mut of = Vec::with_capacity(keys.len());
-            for (group, ends) in (0..).zip(cells.windows(2)) {
-                of.resize(of.len() + (ends[1] - ends[0]) as usize, group);
-            }
-            children.push(starts);
-            all.push(Self { keys: of_groups, starts: cells, of, near_starts: vec![0], near: Vec::new() });
+        let mut all = vec![Self::new((0..=number(keys.len())).collect())];
+        // The upper bits of the keys, and where the children of each group begin; of all levels but the finest.
+        let mut coarser: Vec<(Vec<[u32; 3]>, Vec<u32>)> = Vec::new();
+        for _ in 1..levels {
+            let found = runs(coarser.last().map_or(keys, |(below, _)| below));
+            let below = |child: &u32| all.last().map_or(0, |below| below.starts[*child as usize]);
+            all.push(Self::new(found.1.iter().map(below).collect()));
+            coarser.push(found);
         }
         if let Some(top) = all.last_mut() {
-            top.look_up();
+            top.look_up(coarser.last().map_or(keys, |(top, _)| top));
         }
-        for level in (0..all.len().saturating_sub(1)).rev() {
-            let (below, above) = all.split_at_mut(level + 1);
-            if let (Some(own), Some(parents)) = (below.last_mut(), above.first()) {
-                own.look_among_children(parents, &children[level + 1], if level == 0 { wide } else { &[] });
+        for level in (1..all.len()).rev() {
+            let (below, above) = all.split_at_mut(level);
+            let own = level.checked_sub(2).map_or(keys, |below| &coarser[below].0);
+            if let (Some(below), Some(above)) = (below.last_mut(), above.first()) {
+                let parents = (above, &coarser[level - 1]);
+                below.look_among_children(own, parents, if level == 1 { wide } else { &[] });
             }
         }
         all
     }
 
+    /// Groups that begin at these cells, the last of which is after all.
+    fn new(starts: Vec<u32>) -> Self {
+        let mut of = Vec::with_capacity(starts.last().map_or(0, |cells| *cells as usize));
+        for (group, ends) in (0..).zip(starts.windows(2)) {
+            of.resize(of.len() + (ends[1] - ends[0]) as usize, group);
+        }
+        Self { starts, of, near_starts: vec![0], near: Vec::new() }
+    }
+
     /// Finds the groups that touch, in a table of all.
-    fn look_up(&mut self) {
-        let index: HashMap<[u32; 3], u32, FixedState> = self.keys.iter().copied().zip(0..).collect();
-        for [x, y, z] in &self.keys {
+    fn look_up(&mut self, keys: &[[u32; 3]]) {
+        let index: HashMap<[u32; 3], u32, FixedState> = keys.iter().copied().zip(0..).collect();
+        for [x, y, z] in keys {
             for [dx, dy, dz] in steps() {
                 // Keys at the end of the range have no neighbour beyond it.
                 let beside = (x.checked_add_signed(dx), y.checked_add_signed(dy), z.checked_add_signed(dz));
@@ -75,14 +75,18 @@ impl Level {
 
     /// Finds the groups that touch among the children of the parents that do: those around the children of one parent fill at most
     /// 4 × 4 × 4 places.
-    fn look_among_children(&mut self, parents: &Self, children: &[u32], wide: &[bool]) {
-        let keys = &self.keys;
+    fn look_among_children(
+        &mut self,
+        keys: &[[u32; 3]],
+        (parents, (keys_of_parents, children)): (&Self, &(Vec<[u32; 3]>, Vec<u32>)),
+        wide: &[bool],
+    ) {
         let child = |parent: usize| children[parent]..children[parent + 1];
         let is_wide = |group: u32| wide.get(group as usize) == Some(&true);
         let of_some = |first: usize| {
             let (mut near, mut ends) = (Vec::new(), Vec::new());
             for parent in first..(first + AT_ONCE).min(parents.len()) {
-                let mut places = Places::around(parents.keys[parent]);
+                let mut places = Places::around(keys_of_parents[parent]);
                 for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
                     for group in child(other as usize) {
                         if wide.is_empty() {
@@ -102,7 +106,7 @@ impl Level {
         let parts: Vec<(Vec<u32>, Vec<usize>)> =
             (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(of_some).collect();
         self.near.reserve(parts.iter().map(|(near, _)| near.len()).sum());
-        self.near_starts.reserve(self.keys.len());
+        self.near_starts.reserve(keys.len());
         for (near, ends) in parts {
             let before = self.near.len();
             self.near.extend(near);
@@ -112,7 +116,7 @@ impl Level {
 
     /// Number of groups.
     pub(crate) fn len(&self) -> usize {
-        self.keys.len()
+        self.starts.len() - 1
     }
 
     /// The group of a cell.

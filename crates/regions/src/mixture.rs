@@ -309,8 +309,8 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
     /// Places of some points of a cell, at least one, for a cell has points; each with the number of points that it stands for.
     pub(crate) fn weighted(&self, cell: usize) -> impl Iterator<Item = ([f32; 3], f64)> {
         let (sample, points) = ((self.samples)(cell), self.field.cells[cell].points);
-        let middle = if sample.is_empty() { self.field.middle(cell) } else { &[] };
-        middle.iter().map(move |place| (*place, points)).chain(sample.weighted(points))
+        let middle = if sample.is_empty() { self.field.middle(cell) } else { None };
+        middle.into_iter().map(move |place| (place, points)).chain(sample.weighted(points))
     }
 }
 
@@ -324,8 +324,8 @@ impl<'s> Work<'s> {
         Sample::unpack(samples, packed, places, starts);
         // A cell has points.
         for ((at, start), sample) in todo.iter().zip(&*starts).zip(&*samples) {
-            if let (true, [middle]) = (sample.is_empty(), mixture.field.middle(first + at)) {
-                places[*start] = *middle;
+            if let Some(middle) = mixture.field.middle(first + at).filter(|_| sample.is_empty()) {
+                places[*start] = middle;
             }
         }
     }

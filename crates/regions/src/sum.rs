@@ -14,20 +14,20 @@ pub(crate) struct Sum([f64; NUMBERS]);
 impl Sum {
     pub(crate) const ZERO: Self = Self([0.0; NUMBERS]);
 
-    pub(crate) fn of(stats: &Stats, anchor: DVec3) -> Self {
-        let moved = stats.with_anchor(anchor.to_array());
-        let moments = moved.moments();
-        let mut numbers = [0.0; NUMBERS];
-        numbers[0] = stats.count() as f64;
-        numbers[1..4].copy_from_slice(&moments.sum());
-        numbers[4..10].copy_from_slice(&moments.second().0);
-        numbers[10..].copy_from_slice(&moments.noise().0);
-        Self(numbers)
-    }
-
-    /// The same points with other errors: the sum of their covariances.
-    pub(crate) fn set_noise(&mut self, noise: &SymmetricMatrix3) {
-        self.0[10..].copy_from_slice(&noise.0);
+    /// Of points with this mean, relative to the anchor, and scatter about it, each with this covariance of its error in the mean.
+    #[inline]
+    pub(crate) fn of_mean(
+        points: f64,
+        mean: DVec3,
+        scatter: &SymmetricMatrix3,
+        noise: &SymmetricMatrix3,
+    ) -> Self {
+        let [x, y, z] = mean.to_array();
+        let SymmetricMatrix3([xx, xy, xz, yy, yz, zz]) = scatter;
+        let [a, b, c, d, e, f] = noise.0;
+        let second = [xx + x * x, xy + x * y, xz + x * z, yy + y * y, yz + y * z, zz + z * z];
+        let [xx, xy, xz, yy, yz, zz] = second;
+        Self([1.0, x, y, z, xx, xy, xz, yy, yz, zz, a, b, c, d, e, f].map(|mean| points * mean))
     }
 
     pub(crate) fn points(&self) -> f64 {
@@ -87,6 +87,7 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::Sums;
     use terrace_stats::UncertainVector;
 
     #[test]
@@ -99,9 +100,10 @@ mod tests {
         };
         let (one, other, mut both) = (stats(0..7), stats(7..20), stats(0..7));
         both.merge(&other);
+        let about = |stats: &Stats, anchor| Sums::of(stats).unwrap().about(anchor);
         let (here, there) = (DVec3::new(5.0, 6.0, 4.0), DVec3::new(7.0, 5.0, 5.0));
-        let mut sum = Sum::of(&one, here);
-        sum.add(&Sum::of(&other, there).translated(there - here));
+        let mut sum = about(&one, here);
+        sum.add(&about(&other, there).translated(there - here));
         let found = sum.stats(here);
         assert_eq!(found.count(), 20);
         let (a, b) = (found.covariance().unwrap(), both.covariance().unwrap());

@@ -39,16 +39,17 @@ impl Mapper {
         let params = self.params();
         let (grid, used) = used_of(self)?;
         let nodes = Nodes::of(grid, used.tau, params);
+        let known = nodes.know_errors(grid);
         let floor = params.estimate.map_or(0.0, |settings| settings.floor);
         let mut owned = Owned {
             grid,
             nodes: &nodes,
             plane_of_cell: &[],
             tau: used.tau,
-            errors: Errors::of(self, &nodes, floor),
+            errors: Errors::of(self, known, floor),
         };
         let mut possible = params.estimate.is_some() && params.by_place();
-        if possible && !nodes.know_errors() {
+        if possible && !known {
             owned.errors.level = owned.level_of_neighbourhoods();
             possible = owned.errors.level.is_some();
         }
@@ -72,10 +73,10 @@ impl Owned<'_, '_> {
     fn level_of_neighbourhoods(&self) -> Option<NoiseLevel> {
         let mut residuals = Residuals::default();
         for ((stats, normal), cell) in
-            self.nodes.stats.iter().zip(&self.nodes.normals).zip(self.nodes.dense.cells())
+            self.nodes.all_stats(self.grid).zip(&self.nodes.normals).zip(self.nodes.dense.cells())
         {
             if let Ok(normal) = normal {
-                residuals.push(&self.errors, self.errors.seen(cell.index()), stats, normal.fit.normal);
+                residuals.push(&self.errors, self.errors.seen(cell.index()), &stats, normal.fit.normal);
             }
         }
         NoiseLevel::of(&residuals)

@@ -133,10 +133,10 @@ impl Building<'_> {
         let Owned { grid, nodes, errors, .. } = self.owned;
         let cells = of.iter().filter_map(|node| {
             let at = *node as usize;
-            let (stats, key) = (nodes.stats.get(at)?, *nodes.dense.keys().get(at)?);
+            let (stats, key) = (nodes.stats(grid, at)?, *nodes.dense.keys().get(at)?);
             let noise = match self.level {
                 Some(level) => {
-                    level.covariance(errors, stats, errors.seen(nodes.dense.cells().get(at)?.index()))
+                    level.covariance(errors, &stats, errors.seen(nodes.dense.cells().get(at)?.index()))
                 }
                 None => mean_noise(stats.moments()),
             };
@@ -222,9 +222,9 @@ impl Building<'_> {
     }
 
     fn gather_member(&self, member: &Member, gathered: &mut Gathered) {
-        let Owned { nodes, errors, .. } = self.owned;
-        if let Some(stats) = nodes.stats.get(member.node as usize) {
-            gathered.sum.merge(stats);
+        let Owned { grid, nodes, errors, .. } = self.owned;
+        if let Some(stats) = nodes.stats(grid, member.node as usize) {
+            gathered.sum.merge(&stats);
         }
         if let Some(id) = nodes.dense.cells().get(member.node as usize) {
             gathered.seen.extend(errors.seen(id.index()));

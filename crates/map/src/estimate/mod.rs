@@ -156,8 +156,9 @@ pub(crate) fn estimate_planes<'m>(
             nodes.push(node);
         }
     }
-    let level = if nodes.know_errors() { None } else { cells.level_of_cells(planes, &nodes_of) };
-    if level.is_none() && !nodes.know_errors() {
+    let known = nodes.know_errors(cells.grid);
+    let level = if known { None } else { cells.level_of_cells(planes, &nodes_of) };
+    if level.is_none() && !known {
         return cells.errors;
     }
     let mut columns: Vec<(Near, Columns)> = planes
@@ -207,9 +208,8 @@ pub(crate) fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
 }
 
 impl<'m> Errors<'m> {
-    pub(crate) fn of(mapper: &'m Mapper, nodes: &Nodes, floor: f64) -> Self {
+    pub(crate) fn of(mapper: &'m Mapper, known: bool, floor: f64) -> Self {
         let views = mapper.views();
-        let known = nodes.know_errors();
         let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
         let sightings = views.iter().any(matters).then(|| Sightings::of(mapper));
         Self { views, sightings, level: None, directed: None, floor }
@@ -224,9 +224,9 @@ impl Owned<'_, '_> {
         for (plane, of) in planes.iter().zip(nodes_of) {
             for node in of.iter().step_by(stride) {
                 let place = *node as usize;
-                let cell = self.nodes.stats.get(place).zip(self.nodes.dense.cells().get(place));
+                let cell = self.nodes.stats(self.grid, place).zip(self.nodes.dense.cells().get(place));
                 let Some((stats, cell)) = cell else { continue };
-                residuals.push(&self.errors, self.errors.seen(cell.index()), stats, plane.plane.normal());
+                residuals.push(&self.errors, self.errors.seen(cell.index()), &stats, plane.plane.normal());
             }
         }
         NoiseLevel::of(&residuals)

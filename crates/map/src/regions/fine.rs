@@ -19,7 +19,7 @@ pub(crate) struct Fine<'m> {
     coarse: &'m Coarse,
     samples: &'m Samples,
     cells: Vec<Source>,
-    /// The key of each, and whether it is a whole one.
+    /// The key of each, and whether it is a whole one, until they are laid out.
     keys: Vec<([i32; 3], bool)>,
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
@@ -108,10 +108,11 @@ impl<'m> Fine<'m> {
     }
 
     /// The cells laid out for regions to grow over.
-    pub(crate) fn field(&self) -> Result<Field, RegionsError> {
+    pub(crate) fn field(&mut self) -> Result<Field, RegionsError> {
+        let keys = std::mem::take(&mut self.keys);
         // All are cells of the grids.
         let stats = |at: usize| self.stats(at).unwrap_or(Stats::new([0.0; 3]));
-        Field::of_each(&self.keys, stats, self.grid.cell_size())
+        Field::of_each(&keys, stats, self.grid.cell_size())
     }
 
     fn stats(&self, at: usize) -> Option<Stats> {

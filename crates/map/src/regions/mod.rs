@@ -99,22 +99,23 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let (mut nodes, fine) = rayon::join(
+        let (mut nodes, mut fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
             || Fine::of(cells, coarse, samples),
         );
 
         begins(Stage::Grow { cells: grid.len() });
         let floor = mapper.params().estimate.unwrap_or_default().floor;
-        let mut errors = Errors::of(mapper, &nodes, floor);
-        let known = nodes.know_errors();
+        let known = nodes.know_errors(grid);
+        let mut errors = Errors::of(mapper, known, floor);
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
         let mut field = fine.field()?;
         if !known {
             fine.find_errors(&mut field, &mut errors)?;
         }
         // Regions grow one after the other: what does not need them has the other threads.
-        let (grown, ()) = Surfaces::beside(field, &settings_of_find, || nodes.find_normals(mapper.params()))?;
+        let (grown, ()) =
+            Surfaces::beside(field, &settings_of_find, || nodes.find_normals(grid, mapper.params()))?;
         let found = grown.find(fine.points, |place| fine.sample(place));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
@@ -199,7 +200,7 @@ impl<'m> Grown<'m> {
             labels: Vec::new(),
             used,
             noise: errors.level,
-            cells: owner.labelled(),
+            cells: owner.labelled(grid),
             cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
             optimised: Vec::new(),
         };
@@ -253,8 +254,8 @@ impl OwnerOfCells<'_> {
         self.nodes.dense.cells().iter().map(|cell| self.of.get(cell.index()).copied().flatten()).collect()
     }
 
-    fn labelled(&self) -> Vec<LabelledCell> {
-        let cells = self.nodes.stats.iter().zip(self.of_nodes());
+    fn labelled(&self, grid: &VoxelGrid) -> Vec<LabelledCell> {
+        let cells = self.nodes.all_stats(grid).zip(self.of_nodes());
         let labelled = cells
             .filter_map(|(s, plane)| Some(LabelledCell { centroid: s.mean()?, points: s.count(), plane }));
         labelled.collect()

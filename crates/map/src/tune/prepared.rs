@@ -45,7 +45,7 @@ impl Prepared {
             .map_err(ExtractError::from)?;
         let run = grower.grow(at.phi).map_err(ExtractError::from)?;
         let parts: Vec<Part> = run.clusters().map(|cluster| Part::of(cluster, run, |node| node)).collect();
-        let (planes, plane_of_node) = fit_parts(&parts, &self.nodes, params.min_cells);
+        let (planes, plane_of_node) = fit_parts(&parts, (grid, &self.nodes), params.min_cells);
 
         let mut plane_of_cell = vec![None; grid.len()];
         for (cell, plane) in self.nodes.dense.cells().iter().zip(plane_of_node) {
