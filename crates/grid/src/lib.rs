@@ -48,6 +48,7 @@ mod dense;
 mod error;
 mod grid;
 mod halved;
+mod index;
 mod insert;
 mod key;
 mod neighbourhood;
@@ -60,6 +61,7 @@ pub use cell::{Cell, CellId};
 pub use dense::{Connectivity, DenseCells};
 pub use error::GridError;
 pub use grid::VoxelGrid;
+pub use index::CellIndex;
 pub use key::{MAX_CELL_SIZE, MAX_INDEX, MIN_CELL_SIZE, VoxelKey, validate_cell_size};
 pub use neighbourhood::Walk;
 

@@ -1,7 +1,9 @@
 //! Labels of points that were not kept, as they are read again.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
-use terrace_grid::{CellId, VoxelGrid};
+use terrace_grid::{CellId, CellIndex, VoxelGrid};
 use terrace_types::{Frame, PlaneId, Scan};
 
 use crate::facing::{Counter, Seen, face_sensors};
@@ -14,10 +16,51 @@ const AT_ONCE: usize = 1 << 14;
 /// Tells of which plane points are that are given once more: [`Mapper::extract_streamed`].
 #[derive(Debug, Clone)]
 pub struct PointLabels<'m> {
-    mapper: &'m Mapper,
+    of: Of<'m>,
     by: By,
     /// Whether points are still counted.
     counts: bool,
+}
+
+/// The map of the points.
+#[derive(Debug, Clone)]
+enum Of<'m> {
+    Lent(&'m Mapper),
+    /// Given away, with what is left of the cells that points were added to if their sums are not.
+    Given(Box<(Mapper, Option<CellIndex>)>),
+}
+
+impl Of<'_> {
+    fn mapper(&self) -> &Mapper {
+        match self {
+            Self::Lent(mapper) => mapper,
+            Self::Given(given) => &given.0,
+        }
+    }
+
+    fn cells(&self) -> Option<Cells<'_>> {
+        let index = match self {
+            Self::Lent(_) => None,
+            Self::Given(given) => given.1.as_ref(),
+        };
+        index.map(Cells::Index).or_else(|| self.mapper().fine().map(Cells::Grid))
+    }
+}
+
+/// What tells the cells of points.
+#[derive(Clone, Copy)]
+enum Cells<'c> {
+    Grid(&'c VoxelGrid),
+    Index(&'c CellIndex),
+}
+
+impl Cells<'_> {
+    fn find_all(self, points: &[[f64; 3]], cells: &mut Vec<Option<CellId>>, places: &mut Vec<[f32; 3]>) {
+        match self {
+            Self::Grid(grid) => grid.find_all(points, cells, places),
+            Self::Index(index) => index.find_all(points, cells, places),
+        }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -75,24 +118,53 @@ impl Mapper {
         &self,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, PointLabels<'_>), ExtractError> {
+        let (map, by, _) = self.planes_and_labels(self.fine().map(Cow::Borrowed), begins)?;
+        Ok((map, PointLabels { of: Of::Lent(self), by, counts: true }))
+    }
+
+    /// As [`extract_streamed`](Self::extract_streamed), to the bit, of a map that is not needed any more: where regions are grown, the sums
+    /// of its cells and the samples of their points are forgotten as soon as they are not needed either.
+    ///
+    /// # Errors
+    /// As [`Mapper::extract`]; the map is gone then, too.
+    pub fn into_streamed(
+        mut self,
+        begins: impl FnMut(Stage),
+    ) -> Result<(PlaneMap, PointLabels<'static>), ExtractError> {
+        let given =
+            if self.is_streaming() && self.params().grows().is_some() { self.given_fine() } else { None };
+        let (map, by, index) = match given {
+            Some(cells) => self.planes_and_labels(Some(Cow::Owned(cells)), begins)?,
+            None => self.planes_and_labels(self.fine().map(Cow::Borrowed), begins)?,
+        };
+        if index.is_some() {
+            self.forget_samples();
+        }
+        Ok((map, PointLabels { of: Of::Given(Box::new((self, index))), by, counts: true }))
+    }
+
+    fn planes_and_labels(
+        &self,
+        cells: Option<Cow<'_, VoxelGrid>>,
+        begins: impl FnMut(Stage),
+    ) -> Result<(PlaneMap, By, Option<CellIndex>), ExtractError> {
         let views = self.views().len();
-        let (map, by) = match self.params().grows() {
+        Ok(match self.params().grows() {
             _ if !self.is_streaming() => {
                 let mut map = self.extract_observed(begins)?;
                 let labels = std::mem::take(&mut map.labels);
-                (map, By::Kept { labels, told: vec![0; views] })
+                (map, By::Kept { labels, told: vec![0; views] }, None)
             }
             Some(regions) => {
-                let (map, labels) = self.regions_streamed(&regions, begins)?;
-                (map, By::Regions(Box::new(labels)))
+                let (map, labels, index) = self.regions_streamed(cells, &regions, begins)?;
+                (map, By::Regions(Box::new(labels)), index)
             }
             None => {
                 let (map, planes) = self.clusters(begins)?;
                 let counter = Counter::new(map.planes.len());
-                (map, By::Cells { planes, counter, seen: vec![Seen::new(); views] })
+                (map, By::Cells { planes, counter, seen: vec![Seen::new(); views] }, None)
             }
-        };
-        Ok((map, PointLabels { mapper: self, by, counts: true }))
+        })
     }
 }
 
@@ -103,10 +175,10 @@ impl PointLabels<'_> {
     pub fn label(&mut self, view: usize, chunk: &Scan, labels: &mut Vec<Option<PlaneId>>) {
         labels.clear();
         labels.resize(chunk.len(), None);
-        let Some(grid) = self.mapper.fine() else { return };
+        let Some(cells) = self.of.cells() else { return };
         match &mut self.by {
             By::Kept { labels: kept, told } => {
-                let views = self.mapper.views();
+                let views = self.of.mapper().views();
                 let before: usize = views.iter().take(view).map(|view| view.points).sum();
                 let (Some(told), Some(of)) = (told.get_mut(view), views.get(view)) else { return };
                 if *told >= of.points {
@@ -119,7 +191,7 @@ impl PointLabels<'_> {
             By::Cells { planes, counter, seen } => {
                 let plane = |cell: &Option<CellId>| planes.get((*cell)?.index()).copied().flatten();
                 in_parts(
-                    grid,
+                    cells,
                     chunk,
                     labels,
                     || (),
@@ -133,7 +205,7 @@ impl PointLabels<'_> {
             }
             By::Regions(regions) => {
                 in_parts(
-                    grid,
+                    cells,
                     chunk,
                     labels,
                     || regions.tally(),
@@ -154,10 +226,11 @@ impl PointLabels<'_> {
             By::Cells { planes, .. } => planes,
             By::Regions(regions) => &regions.of_cells,
         };
-        let Some(seen) = self.mapper.seen() else { return };
-        let coarse = self.mapper.params().grows().and_then(|_| self.mapper.coarse());
+        let mapper = self.of.mapper();
+        let Some(seen) = mapper.seen() else { return };
+        let coarse = mapper.params().grows().and_then(|_| mapper.coarse());
         let of_grid = |cell: CellId| coarse.map_or(Some(cell), |coarse| coarse.of.get(cell.index()).copied());
-        let views = self.mapper.views();
+        let views = mapper.views();
         let mut points = vec![Seen::new(); views.len()];
         for (cell, sighting) in seen.all(views.len().saturating_sub(1)) {
             let plane = of_grid(cell).and_then(|cell| planes.get(cell.index()).copied().flatten());
@@ -176,10 +249,10 @@ impl PointLabels<'_> {
         }
         match &self.by {
             By::Kept { .. } => {}
-            By::Cells { seen, .. } => face_sensors(&mut map.planes, seen, self.mapper.views()),
+            By::Cells { seen, .. } => face_sensors(&mut map.planes, seen, self.of.mapper().views()),
             By::Regions(regions) => {
                 let seen = regions.finish(&mut map.planes);
-                face_sensors(&mut map.planes, &seen, self.mapper.views());
+                face_sensors(&mut map.planes, &seen, self.of.mapper().views());
             }
         }
     }
@@ -196,7 +269,7 @@ struct Part {
 /// Finds the cells and places of points, and hands them out together with their labels, on all threads, which each have one of what
 /// `begin` makes for as many parts as they take on end.
 fn in_parts<T>(
-    grid: &VoxelGrid,
+    grid: Cells<'_>,
     chunk: &Scan,
     labels: &mut [Option<PlaneId>],
     begin: impl Fn() -> T + Sync,

@@ -36,8 +36,8 @@ impl Window {
         if self.sums.is_empty() || cell / AT_ONCE != self.first / AT_ONCE {
             self.first = cell / AT_ONCE * AT_ONCE;
             self.sums.clear();
-            let of_window = cells.iter().zip(0..).skip(self.first).take(AT_ONCE);
-            self.sums.extend(of_window.map(|(sums, cell)| sums.about(anchored.anchor_of(cell))));
+            let of_window = (self.first..).zip(&cells[self.first..]).take(AT_ONCE);
+            self.sums.extend(of_window.map(|(cell, sums)| sums.about(anchored.anchor_of(number(cell)))));
         }
     }
 

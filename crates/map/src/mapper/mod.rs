@@ -155,6 +155,17 @@ impl Mapper {
         self.coarse.get_or_init(made).as_ref()
     }
 
+    /// Takes the fine cells away, once the others are made of them.
+    pub(crate) fn given_fine(&mut self) -> Option<VoxelGrid> {
+        self.coarse();
+        self.fine.take()
+    }
+
+    /// Forgets what only extractions need.
+    pub(crate) fn forget_samples(&mut self) {
+        self.samples = None;
+    }
+
     /// Some points of each fine cell; none where no regions are grown.
     pub(crate) fn samples(&self) -> Option<&Samples> {
         self.samples.as_ref()

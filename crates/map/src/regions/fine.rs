@@ -15,7 +15,6 @@ const BLURRED: f64 = 0.4;
 
 /// The cells of half the cell size, and whole ones in the place of those where errors are large.
 pub(crate) struct Fine<'m> {
-    grid: &'m VoxelGrid,
     coarse: &'m Coarse,
     samples: &'m Samples,
     cells: Vec<Source>,
@@ -53,11 +52,10 @@ impl Places {
 
 impl<'m> Fine<'m> {
     /// Sums that overflow are no cell of a region: their points are of no plane.
-    pub(crate) fn of(grid: &'m VoxelGrid, coarse: &'m Coarse, samples: &'m Samples) -> Self {
+    pub(crate) fn of(grid: &VoxelGrid, coarse: &'m Coarse, samples: &'m Samples) -> Self {
         let is_whole: Vec<bool> =
             coarse.grid.founded().map(|cell| is_blurred(cell.moments(), grid.cell_size())).collect();
         let mut fine = Self {
-            grid,
             coarse,
             samples,
             cells: Vec::with_capacity(grid.len()),
@@ -108,16 +106,16 @@ impl<'m> Fine<'m> {
     }
 
     /// The cells laid out for regions to grow over.
-    pub(crate) fn field(&mut self) -> Result<Field, RegionsError> {
+    pub(crate) fn field(&mut self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
         let keys = std::mem::take(&mut self.keys);
         // All are cells of the grids.
-        let stats = |at: usize| self.stats(at).unwrap_or(Stats::new([0.0; 3]));
-        Field::of_each(&keys, stats, self.grid.cell_size())
+        let stats = |at: usize| self.stats(grid, at).unwrap_or(Stats::new([0.0; 3]));
+        Field::of_each(&keys, stats, grid.cell_size())
     }
 
-    fn stats(&self, at: usize) -> Option<Stats> {
+    fn stats(&self, grid: &VoxelGrid, at: usize) -> Option<Stats> {
         match self.cells.get(at)? {
-            Source::Half(id) => self.grid.get(*id),
+            Source::Half(id) => grid.get(*id),
             Source::Whole(_) => self.coarse.grid.get(*self.of.get(at)?),
         }
         .map(|cell| cell.stats())
@@ -134,10 +132,15 @@ impl<'m> Fine<'m> {
     }
 
     /// Gives the cells the errors that flat places show, which are then in `errors`.
-    pub(crate) fn find_errors(&self, field: &mut Field, errors: &mut Errors) -> Result<(), RegionsError> {
+    pub(crate) fn find_errors(
+        &self,
+        grid: &VoxelGrid,
+        field: &mut Field,
+        errors: &mut Errors,
+    ) -> Result<(), RegionsError> {
         errors.find_level(field, &self.of);
         field.set_noise(|at| {
-            self.stats(at).map_or(SymmetricMatrix3::ZERO, |stats| {
+            self.stats(grid, at).map_or(SymmetricMatrix3::ZERO, |stats| {
                 errors.of_place(&stats, self.of[at]) * stats.count() as f64
             })
         })
@@ -216,7 +219,7 @@ mod tests {
         assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
         for at in 0..fine.cells.len() {
             let sample: Vec<[f32; 3]> = fine.sample(at).places().collect();
-            let points = fine.stats(at).unwrap().count();
+            let points = fine.stats(blurred.fine().unwrap(), at).unwrap().count();
             assert_eq!((points, fine.keys[at].1), if wide.contains(&at) { (100, true) } else { (25, false) });
             assert!((1..=16).contains(&sample.len()));
             for place in sample {

@@ -7,8 +7,10 @@ mod fine;
 mod streamed;
 mod tallies;
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
-use terrace_grid::{CellId, VoxelGrid};
+use terrace_grid::{CellId, CellIndex, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
 use terrace_regions::{Found, Grown as Surfaces, Labeller, Measure, Region};
 use terrace_stats::{Moments, UncertainVector};
@@ -42,6 +44,8 @@ pub(crate) struct Grown<'m> {
     nodes: Nodes,
     errors: Errors<'m>,
     pub(crate) fine: Fine<'m>,
+    /// Which cells there were, of a grid that was given away.
+    index: Option<CellIndex>,
     pub(crate) found: Found,
 }
 
@@ -52,7 +56,7 @@ impl Mapper {
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
-        let mut grown = Grown::of(self, settings, &mut begins)?;
+        let mut grown = Grown::of(self, self.fine().map(Cow::Borrowed), settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let (mut labels, by_view) = grown.label_kept();
         let measures = summed(&by_view, grown.found.regions.len());
@@ -88,20 +92,21 @@ pub(crate) fn renumbered(by_view: &[Measures], numbers: &[Option<PlaneId>]) -> V
 }
 
 impl<'m> Grown<'m> {
+    /// Of the fine cells of a map: sums of cells that are given away are forgotten once regions can grow without them.
     pub(crate) fn of(
         mapper: &'m Mapper,
+        cells: Option<Cow<'_, VoxelGrid>>,
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<Self, ExtractError> {
         let (grid, used) = used_of(mapper)?;
-        let (Some(cells), Some(coarse), Some(samples)) = (mapper.fine(), mapper.coarse(), mapper.samples())
-        else {
+        let (Some(cells), Some(coarse), Some(samples)) = (cells, mapper.coarse(), mapper.samples()) else {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
         let (mut nodes, mut fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
-            || Fine::of(cells, coarse, samples),
+            || Fine::of(&cells, coarse, samples),
         );
 
         begins(Stage::Grow { cells: grid.len() });
@@ -109,10 +114,14 @@ impl<'m> Grown<'m> {
         let known = nodes.know_errors(grid);
         let mut errors = Errors::of(mapper, known, floor);
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
-        let mut field = fine.field()?;
+        let mut field = fine.field(&cells)?;
         if !known {
-            fine.find_errors(&mut field, &mut errors)?;
+            fine.find_errors(&cells, &mut field, &mut errors)?;
         }
+        let index = match cells {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(cells) => Some(cells.into_index()),
+        };
         // Regions grow one after the other: what does not need them has the other threads.
         let (grown, ()) =
             Surfaces::beside(field, &settings_of_find, || nodes.find_normals(grid, mapper.params()))?;
@@ -123,7 +132,7 @@ impl<'m> Grown<'m> {
             min_area: found.min_area,
         };
         let used = Used { grown: Some(grown), ..used };
-        Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, found })
+        Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, index, found })
     }
 
     /// The labels of all points that are kept, and what they measure, view by view.
@@ -168,7 +177,7 @@ impl<'m> Grown<'m> {
 
     /// The planes with their covariances, joined where that is asked for.
     fn planes(self) -> Planes {
-        let Self { mapper, settings, grid, used, nodes, mut errors, fine, found } = self;
+        let Self { mapper, settings, grid, used, nodes, mut errors, fine, index, found } = self;
         let mut owner = OwnerOfCells { nodes: &nodes, of: fine.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
         let asked = mapper.params().estimate.is_some();
@@ -204,7 +213,7 @@ impl<'m> Grown<'m> {
             cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
             optimised: Vec::new(),
         };
-        Planes { map, joined: anew, labeller, places, of_cells: owner.of }
+        Planes { map, joined: anew, labeller, places, index, of_cells: owner.of }
     }
 }
 
@@ -215,6 +224,7 @@ struct Planes {
     joined: Option<Vec<Option<PlaneId>>>,
     labeller: Labeller,
     places: Places,
+    index: Option<CellIndex>,
     /// The plane of each cell of the grid.
     of_cells: Vec<Option<PlaneId>>,
 }

@@ -1,6 +1,8 @@
 //! Regions whose points are not kept: planes first, labels as the points are read again.
 
-use terrace_grid::CellId;
+use std::borrow::Cow;
+
+use terrace_grid::{CellId, CellIndex, VoxelGrid};
 use terrace_regions::Labeller;
 use terrace_types::PlaneId;
 
@@ -27,18 +29,20 @@ pub(crate) struct RegionLabels {
 
 impl Mapper {
     /// The planes as regions, with points as they are told by samples, and what tells the points.
+    /// Of its fine cells, as [`Grown::of`] takes them, and which they were if they were given away.
     pub(crate) fn regions_streamed(
         &self,
+        cells: Option<Cow<'_, VoxelGrid>>,
         settings: &Regions,
         mut begins: impl FnMut(Stage),
-    ) -> Result<(PlaneMap, RegionLabels), ExtractError> {
-        let grown = Grown::of(self, settings, &mut begins)?;
+    ) -> Result<(PlaneMap, RegionLabels, Option<CellIndex>), ExtractError> {
+        let grown = Grown::of(self, cells, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let regions = grown.found.regions.len();
-        let Planes { map, joined, labeller, places, of_cells } = grown.planes();
+        let Planes { map, joined, labeller, places, index, of_cells } = grown.planes();
         let numbers = joined.unwrap_or_else(|| (0..regions).map(PlaneId::from_index).collect());
         let (tallies, by_view) = (Tallies::default(), vec![Measures::new(); self.views().len()]);
-        Ok((map, RegionLabels { labeller, places, numbers, of_cells, tallies, by_view }))
+        Ok((map, RegionLabels { labeller, places, numbers, of_cells, tallies, by_view }, index))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Points that are forgotten, and given again for their labels.
 
 use terrace::{
-    Assignment, Frame, Join, Mapper, Params, PlaneId, PlaneMap, PoseNoise, Scan, Sigma, StreamingError,
-    Weighting,
+    Assignment, Frame, Join, Mapper, Params, PlaneId, PlaneMap, PointLabels, PoseNoise, Scan, Sigma,
+    StreamingError, Weighting,
 };
 use terrace_synth::Scene;
 
@@ -42,11 +42,20 @@ fn streamed(params: Params, scans: &Posed, size: usize, again: usize) -> PlaneMa
             mapper.insert_more(chunk).unwrap();
         }
     }
-    read_again(&mapper, scans, again)
+    let map = read_again(&mapper, scans, again);
+    let (given, labels) = mapper.into_streamed(|_| {}).unwrap();
+    let given = read_of(given, labels, scans, again);
+    assert_eq!(bits(&given), bits(&map), "of a map that is given away");
+    assert!(given.labels == map.labels);
+    map
 }
 
 fn read_again(mapper: &Mapper, scans: &Posed, size: usize) -> PlaneMap {
-    let (mut map, mut labels) = mapper.extract_streamed(|_| {}).unwrap();
+    let (map, labels) = mapper.extract_streamed(|_| {}).unwrap();
+    read_of(map, labels, scans, size)
+}
+
+fn read_of(mut map: PlaneMap, mut labels: PointLabels<'_>, scans: &Posed, size: usize) -> PlaneMap {
     assert!(map.labels.is_empty());
     let mut all = Vec::new();
     let mut of_chunk = vec![PlaneId::new(7); 3];

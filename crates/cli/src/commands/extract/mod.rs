@@ -75,7 +75,7 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     if let Some(file) = &args.save_map {
         save_map(&mapper, file, &mut progress, &mut timings)?;
     }
-    let extract = |begins: &mut dyn FnMut(_)| mapper.extract_streamed(begins);
+    let extract = |begins: &mut dyn FnMut(_)| mapper.into_streamed(begins);
     let (mut map, mut labels) = extract_timed(extract, &mut progress, &mut timings)?;
 
     let mut again = Again { inputs: &inputs, reading, labels: &mut labels };
