@@ -91,12 +91,31 @@ impl CovariantPlane {
         cells: impl Iterator<Item = &'m Moments> + Clone,
         normal: [f64; 3],
     ) -> Result<Option<Self>, Degenerate> {
-        let variances: Vec<f64> = cells.clone().map(|cell| variance_along(cell, normal)).collect();
-        // A cell without errors among others with them would weigh without end: it counts as the least noisy of them.
-        let least = variances.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
-        if least.is_infinite() {
+        Self::near_with_shared(anchor, cells.map(|cell| (cell, SymmetricMatrix3::ZERO)), normal)
+    }
+
+    /// As [`near`](Self::near), for cells whose points also have errors in common, as those of a pose: each comes with the covariance that
+    /// these give to a point. They do not average out, and are left out of [`tilt_offset`](Self::tilt_offset); but cells weigh as if
+    /// they were errors of points, so that none has more weight than they allow. Without them, errors along a ray alone have points
+    /// weigh without end once the plane is turned into their rays.
+    ///
+    /// # Errors
+    /// As [`of_cells`](Self::of_cells).
+    pub fn near_with_shared<'m>(
+        anchor: [f64; 3],
+        cells: impl Iterator<Item = (&'m Moments, SymmetricMatrix3)> + Clone,
+        normal: [f64; 3],
+    ) -> Result<Option<Self>, Degenerate> {
+        if !cells.clone().any(|(cell, _)| variance_along(cell, normal) > 0.0) {
             return Ok(None);
         }
+        let variances: Vec<f64> = cells
+            .clone()
+            .map(|(cell, shared)| variance_along(cell, normal) + shared.quadratic_form(normal))
+            .collect();
+        // A cell without errors among others with them would weigh without end: it counts as the least noisy of them.
+        let least = variances.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+        let cells = cells.map(|(cell, _)| cell);
         let weighted = cells.zip(variances.iter().map(|variance| 1.0 / variance.max(least)));
         let sums = Weighted::of(weighted.clone());
         if sums.count < 4 {
@@ -114,7 +133,13 @@ impl CovariantPlane {
 
     /// What each point of a cell counts: the inverse of the mean variance of their errors along the normal, in 1/m².
     pub fn weight(&self, cell: &Moments) -> f64 {
-        1.0 / variance_along(cell, self.fit.normal).max(self.least)
+        self.weight_with_shared(cell, &SymmetricMatrix3::ZERO)
+    }
+
+    /// The same where points have errors in common: see [`near_with_shared`](Self::near_with_shared).
+    pub fn weight_with_shared(&self, cell: &Moments, shared: &SymmetricMatrix3) -> f64 {
+        let normal = self.fit.normal;
+        1.0 / (variance_along(cell, normal) + shared.quadratic_form(normal)).max(self.least)
     }
 
     /// The coefficients `(a, b, c, d)` of `a x + b y + c z + d = 0`, with the unit normal `(a, b, c)`.

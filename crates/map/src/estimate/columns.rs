@@ -358,8 +358,8 @@ impl Columns {
 
     /// The plane of least variance through the columns that count, near one with this normal.
     pub(crate) fn fit(&self, counts: &[bool], normal: DVec3) -> Option<CovariantPlane> {
-        let sums = self.counted(counts).map(|column| &column.sum);
-        CovariantPlane::near(self.anchor, sums, normal.to_array()).ok()?
+        let sums = self.counted(counts).map(|column| (&column.sum, column.shared_by_points()));
+        CovariantPlane::near_with_shared(self.anchor, sums, normal.to_array()).ok()?
     }
 
     /// What flat columns off the borders of the plane tell of the noise.
@@ -429,8 +429,17 @@ impl Column {
 
     /// The mean covariance of the error of a point.
     pub(crate) fn noise_of_points(&self) -> SymmetricMatrix3 {
-        let shared = self.seen.as_ref().map_or(SymmetricMatrix3::ZERO, |seen| seen.shared.of_points);
-        mean_noise(&self.sum) + shared
+        mean_noise(&self.sum) + self.shared_by_points()
+    }
+
+    /// The mean covariance of the part of it that points of a scan share.
+    fn shared_by_points(&self) -> SymmetricMatrix3 {
+        self.seen.as_ref().map_or(SymmetricMatrix3::ZERO, |seen| seen.shared.of_points)
+    }
+
+    /// What each of its points counts.
+    pub(crate) fn weight(&self, plane: &CovariantPlane) -> f64 {
+        plane.weight_with_shared(&self.sum, &self.shared_by_points())
     }
 }
 

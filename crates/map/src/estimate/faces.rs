@@ -45,7 +45,7 @@ impl Columns {
         plane: &'c CovariantPlane,
         size: f64,
     ) -> impl Iterator<Item = Face<'c>> {
-        let weight = |at: usize| if counts[at] { plane.weight(&self.all[at].sum) } else { 0.0 };
+        let weight = |at: usize| if counts[at] { self.all[at].weight(plane) } else { 0.0 };
         let weights: Vec<f64> = (0..self.all.len()).map(weight).collect();
         // Each face once: that after a column, and that before it where the rim is, which knows no neighbours.
         let sides = |at: usize| {

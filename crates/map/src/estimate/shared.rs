@@ -63,7 +63,7 @@ impl Columns {
         }
         let mut pulls = vec![[[0.0; 6]; 3]; views.len()];
         for (column, _) in self.all.iter().zip(counts).filter(|(_, counts)| **counts) {
-            let weight = plane.weight(&column.sum);
+            let weight = column.weight(plane);
             for sighting in column.seen.iter().flat_map(|seen| &seen.from) {
                 let place = sighting.view as usize;
                 let (Some(sensor), Some(pull)) =
