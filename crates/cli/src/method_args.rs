@@ -20,7 +20,7 @@ pub struct MethodArgs {
     /// Fewest points of a plane [default: four in a thousand of all points, from 20 to 250]
     #[arg(long, value_name = "N", help_heading = "Regions (--preset default)")]
     pub min_points: Option<u64>,
-    /// Least area of a plane in m2 [default: 1/400 of the area of all planes, at most that of 50 cells]
+    /// Least area of a plane in m2 [default: 1/400 of the area of all planes, at most that of 50 cells, of 12 where errors are stated]
     #[arg(
         long,
         value_name = "M2",

@@ -99,7 +99,7 @@ pub struct Regions {
     /// The fewest points of a plane. `None`: four in a thousand of all points, at least 20, and 250 are always enough.
     pub min_points: Option<u64>,
     /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
-    /// cells.
+    /// cells, of twelve where errors are stated.
     pub min_area: Option<f64>,
     /// Which regions are one plane.
     pub join: Join,

@@ -29,12 +29,14 @@ const MOST_SCALE: f64 = 10.0;
 /// A plane is as wide as so many of its cells: those in the edge of two surfaces make a strip that is along neither.
 const NARROWEST: f64 = 3.0;
 /// Without a setting: the share of all points, their least number and that which is always enough; the share of the area of all
-/// planes, and the number of coarser cells that is always enough.
+/// planes, and the number of coarser cells that is always enough. Fewer are where errors are stated: a plane is then known by them to
+/// be one, whatever else there is.
 const SHARE_OF_POINTS: f64 = 0.004;
 const FEWEST_POINTS: f64 = 20.0;
 const ENOUGH_POINTS: f64 = 250.0;
 const SHARE_OF_AREA: f64 = 0.0025;
 const ENOUGH_CELLS: f64 = 50.0;
+const ENOUGH_CERTAIN_CELLS: f64 = 12.0;
 /// A part that does not touch the rest is a plane of its own when it has this share of the points, and so many times the fewest of a
 /// plane: a wall that is seen in pieces is one wall.
 const SHARE_OF_PART: f64 = 0.1;
@@ -239,7 +241,8 @@ impl Grown {
         let mut found: Vec<(u32, Region)> = numbered.filter_map(region).collect();
         // From 0: the sum of no floating-point numbers is −0.
         let all = found.iter().fold(0.0, |sum, (_, region)| sum + region.area);
-        let least = (SHARE_OF_AREA * all).min(ENOUGH_CELLS * field.coarse_edge().powi(2));
+        let enough = if settings.errors_are_stated { ENOUGH_CERTAIN_CELLS } else { ENOUGH_CELLS };
+        let least = (SHARE_OF_AREA * all).min(enough * field.coarse_edge().powi(2));
         let least = settings.min_area.unwrap_or(least);
         let least = if settings.takes(Step::Size) { least } else { 0.0 };
         found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);

@@ -17,7 +17,7 @@ pub struct Settings {
     /// The fewest points of a plane. `None`: four in a thousand of all points, at least 20, and 250 are always enough.
     pub min_points: Option<u64>,
     /// The least area of a plane, in m². `None`: a quarter of a per cent of the area of all planes, but no more than that of fifty
-    /// cells of the coarser resolution.
+    /// cells of the coarser resolution, of twelve where errors are stated.
     pub min_area: Option<f64>,
     /// A step that is left out, to find what it is worth.
     pub leave_out: Option<Step>,

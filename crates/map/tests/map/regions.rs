@@ -194,6 +194,20 @@ fn a_patch_raised_by_ten_standard_errors_is_not_joined() {
 }
 
 #[test]
+fn a_plane_that_stated_errors_tell_is_found_however_large_the_place_is() {
+    // A stool of 20 cells, whose top is what can be seen of it, beside a floor of 400 and of 40 000.
+    let stool = patch((0.5, 1.0), (0.5, 0.9), 0.45, 3);
+    for side in [2.0, 20.0] {
+        let floor = patch((0.0, side), (0.0, side), 0.0, 4).into_iter().step_by(2);
+        let points: Vec<[f64; 3]> = floor.chain(stool.iter().copied()).collect();
+        let found = map(tenth(Params::default), &[&stated(&points)]);
+        check_sound(&found);
+        let top = found.planes.iter().filter(|plane| (plane.centroid[2] - 0.45).abs() < 0.01).count();
+        assert_eq!((found.planes.len(), top), (2, 1), "{side} m");
+    }
+}
+
+#[test]
 fn planes_are_joined_without_a_covariance_being_asked_for() {
     let params = Params { estimate: None, ..coplanar() };
     let found = map(params, &[&stated(&apart(0.0))]);
