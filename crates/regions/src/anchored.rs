@@ -155,8 +155,16 @@ impl Anchored {
     pub(crate) fn union(&self, all: &[Sums], cells: &[u32]) -> Option<Stats> {
         let anchor = self.anchor_of(*cells.first()?);
         let mut sum = Sum::ZERO;
-        for cell in cells {
-            sum.add(&all[*cell as usize].about(anchor));
+        let mut left = cells;
+        // Cube by cube: about an anchor that is far away, squares of many cells lose digits.
+        while let Some(first) = left.first() {
+            let cube = self.cube_of(*first);
+            let end = left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len());
+            let (of_cube, rest) = left.split_at(end);
+            let mut own = Sum::ZERO;
+            of_cube.iter().for_each(|cell| own.add(&all[*cell as usize].about(cube.anchor)));
+            sum.add(&own.translated(cube.anchor - anchor));
+            left = rest;
         }
         Some(sum.stats(anchor))
     }
