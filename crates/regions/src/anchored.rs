@@ -10,6 +10,8 @@ use crate::sum::Sum;
 
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
+/// Cells of a window: their sums stay in the cache of a processor.
+const WINDOW: usize = 4096;
 
 /// The cubes along the curve: sums of cells are added about the anchor of the one that each is in.
 #[derive(Debug)]
@@ -33,20 +35,18 @@ struct Window {
 impl Window {
     /// Takes the cells in whose midst a cell is.
     fn move_to(&mut self, cell: usize, anchored: &Anchored, cells: &[Sums]) {
-        if self.sums.is_empty() || cell / AT_ONCE != self.first / AT_ONCE {
-            self.first = cell / AT_ONCE * AT_ONCE;
+        if self.sums.is_empty() || cell / WINDOW != self.first / WINDOW {
+            self.first = cell / WINDOW * WINDOW;
             self.sums.clear();
-            let of_window = (self.first..).zip(&cells[self.first..]).take(AT_ONCE);
+            let of_window = (self.first..).zip(&cells[self.first..]).take(WINDOW);
             self.sums.extend(of_window.map(|(cell, sums)| sums.about(anchored.anchor_of(number(cell)))));
         }
     }
 
+    /// That of a cell, if it is in the window.
     #[inline]
-    fn sum_of(&self, cell: usize, anchored: &Anchored, cells: &[Sums]) -> Sum {
-        match self.sums.get(cell.wrapping_sub(self.first)) {
-            Some(sum) => *sum,
-            None => cells[cell].about(anchored.anchor_of(number(cell))),
-        }
+    fn get(&self, cell: usize) -> Option<&Sum> {
+        self.sums.get(cell.wrapping_sub(self.first))
     }
 }
 
@@ -92,17 +92,27 @@ impl Anchored {
         sum
     }
 
-    /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone.
-    pub(crate) fn sum_around(&self, level: &Level, group: usize, own: impl Fn(usize) -> Sum) -> Sum {
+    /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone: as they are kept, or
+    /// else made.
+    pub(crate) fn sum_around<'s>(
+        &self,
+        level: &Level,
+        group: usize,
+        kept: impl Fn(usize) -> Option<&'s Sum>,
+        made: impl Fn(usize) -> Sum,
+    ) -> Sum {
         let first = |group: usize| level.cells(group).start;
         let here = self.cube_of(first(group));
+        let own = |group: usize| kept(group).copied().unwrap_or_else(|| made(group));
         let mut sum = own(group);
         for near in level.near(group).iter().map(|near| *near as usize) {
-            if here.holds(first(near)) {
-                sum.add(&own(near));
-            } else {
+            if !here.holds(first(near)) {
                 let apart = self.anchor_of(first(near)) - here.anchor;
                 sum.add(&own(near).translated(apart));
+            } else if let Some(kept) = kept(near) {
+                sum.add(kept);
+            } else {
+                sum.add(&made(near));
             }
         }
         sum
@@ -117,7 +127,8 @@ impl Anchored {
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
         let around = move |window: &mut Window, cell| {
             window.move_to(cell, self, cells);
-            ask(cell, self.sum_around(level, cell, |cell| window.sum_of(cell, self, cells)))
+            let made = |cell: usize| cells[cell].about(self.anchor_of(number(cell)));
+            ask(cell, self.sum_around(level, cell, |cell| window.get(cell), made))
         };
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
     }
@@ -129,7 +140,7 @@ impl Anchored {
         own: &[Sum],
         ask: impl Fn(Sum) -> T + Sync,
     ) -> Vec<T> {
-        let around = |group| ask(self.sum_around(level, group, |group| own[group]));
+        let around = |group| ask(self.sum_around(level, group, |group| own.get(group), |_| Sum::ZERO));
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 
@@ -162,7 +173,9 @@ impl Anchored {
             let end = left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len());
             let (of_cube, rest) = left.split_at(end);
             let mut own = Sum::ZERO;
-            of_cube.iter().for_each(|cell| own.add(&all[*cell as usize].about(cube.anchor)));
+            for cell in of_cube {
+                own.add(&all[*cell as usize].about(cube.anchor));
+            }
             sum.add(&own.translated(cube.anchor - anchor));
             left = rest;
         }

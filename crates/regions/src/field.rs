@@ -231,8 +231,12 @@ impl Field {
     /// The sums of a group and of those it touches: taken anew, for few are asked for.
     pub(crate) fn stats_around(&self, level: usize, group: usize) -> Stats {
         let level = &self.levels[level];
-        let sum =
-            self.anchored.sum_around(level, group, |group| self.anchored.sum_of(level, &self.cells, group));
+        let sum = self.anchored.sum_around(
+            level,
+            group,
+            |_| None,
+            |group| self.anchored.sum_of(level, &self.cells, group),
+        );
         sum.stats(self.anchored.anchor_of(level.cells(group).start))
     }
 }
