@@ -132,7 +132,7 @@ impl Mapper {
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, PointLabels<'static>), ExtractError> {
         let given =
-            if self.is_streaming() && self.params().grows().is_some() { self.given_fine() } else { None };
+            if self.is_streaming() && self.params().grows().is_some() { self.take_fine() } else { None };
         let (map, by, index) = match given {
             Some(cells) => self.planes_and_labels(Some(Cow::Owned(cells)), begins)?,
             None => self.planes_and_labels(self.fine().map(Cow::Borrowed), begins)?,

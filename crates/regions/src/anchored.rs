@@ -93,16 +93,17 @@ impl Anchored {
     }
 
     /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone: as they are kept, or
-    /// else made.
+    /// else made anew.
     pub(crate) fn sum_around<'s>(
         &self,
         level: &Level,
+        cells: &[Sums],
         group: usize,
         kept: impl Fn(usize) -> Option<&'s Sum>,
-        made: impl Fn(usize) -> Sum,
     ) -> Sum {
         let first = |group: usize| level.cells(group).start;
         let here = self.cube_of(first(group));
+        let made = |group: usize| self.sum_of(level, cells, group);
         let own = |group: usize| kept(group).copied().unwrap_or_else(|| made(group));
         let mut sum = own(group);
         for near in level.near(group).iter().map(|near| *near as usize) {
@@ -127,8 +128,7 @@ impl Anchored {
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
         let around = move |window: &mut Window, cell| {
             window.move_to(cell, self, cells);
-            let made = |cell: usize| cells[cell].about(self.anchor_of(number(cell)));
-            ask(cell, self.sum_around(level, cell, |cell| window.get(cell), made))
+            ask(cell, self.sum_around(level, cells, cell, |cell| window.get(cell)))
         };
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
     }
@@ -137,10 +137,11 @@ impl Anchored {
     pub(crate) fn around<T: Send>(
         &self,
         level: &Level,
+        cells: &[Sums],
         own: &[Sum],
         ask: impl Fn(Sum) -> T + Sync,
     ) -> Vec<T> {
-        let around = |group| ask(self.sum_around(level, group, |group| own.get(group), |_| Sum::ZERO));
+        let around = |group| ask(self.sum_around(level, cells, group, |group| own.get(group)));
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 

@@ -175,7 +175,7 @@ impl Field {
                 None => anchored.of_groups(level, &self.cells),
                 Some((below, of_below)) => Anchored::of_level(level, below, &of_below),
             };
-            bounded.push(anchored.around(level, &own, of_group));
+            bounded.push(anchored.around(level, &self.cells, &own, of_group));
             below = Some((level, own));
         }
         (self.bounded, self.turned) = (bounded, turned);
@@ -231,12 +231,7 @@ impl Field {
     /// The sums of a group and of those it touches: taken anew, for few are asked for.
     pub(crate) fn stats_around(&self, level: usize, group: usize) -> Stats {
         let level = &self.levels[level];
-        let sum = self.anchored.sum_around(
-            level,
-            group,
-            |_| None,
-            |group| self.anchored.sum_of(level, &self.cells, group),
-        );
+        let sum = self.anchored.sum_around(level, &self.cells, group, |_| None);
         sum.stats(self.anchored.anchor_of(level.cells(group).start))
     }
 }

@@ -324,7 +324,9 @@ impl<'s> Work<'s> {
         Sample::unpack(samples, packed, places, starts);
         // A cell has points.
         for ((at, start), sample) in todo.iter().zip(&*starts).zip(&*samples) {
-            if let Some(middle) = mixture.field.middle(first + at).filter(|_| sample.is_empty()) {
+            if sample.is_empty()
+                && let Some(middle) = mixture.field.middle(first + at)
+            {
                 places[*start] = middle;
             }
         }

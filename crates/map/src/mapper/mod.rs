@@ -156,7 +156,7 @@ impl Mapper {
     }
 
     /// Takes the fine cells away, once the others are made of them.
-    pub(crate) fn given_fine(&mut self) -> Option<VoxelGrid> {
+    pub(crate) fn take_fine(&mut self) -> Option<VoxelGrid> {
         self.coarse();
         self.fine.take()
     }

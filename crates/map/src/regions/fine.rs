@@ -18,8 +18,6 @@ pub(crate) struct Fine<'m> {
     coarse: &'m Coarse,
     samples: &'m Samples,
     cells: Vec<Source>,
-    /// The key of each, and whether it is a whole one, until they are laid out.
-    keys: Vec<([i32; 3], bool)>,
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
     /// Samples of the points of whole cells.
@@ -59,7 +57,6 @@ impl<'m> Fine<'m> {
             coarse,
             samples,
             cells: Vec::with_capacity(grid.len()),
-            keys: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
             of_whole: None,
             places: Places::default(),
@@ -75,7 +72,7 @@ impl<'m> Fine<'m> {
             let points = cell.density();
             if is_whole[of.index()] {
                 let (whole, place) = *wholes[of.index()].get_or_insert_with(|| {
-                    fine.push(Source::Whole(whole), (cell.key(), true), *of);
+                    fine.push(Source::Whole(whole), *of);
                     whole += 1;
                     (whole - 1, place)
                 });
@@ -84,7 +81,7 @@ impl<'m> Fine<'m> {
                 parts.push(PartOf { whole, part: number, points });
                 places.push(place);
             } else if is_usable(cell.moments()) {
-                fine.push(Source::Half(cell.id()), (cell.key(), false), *of);
+                fine.push(Source::Half(cell.id()), *of);
                 places.push(place);
             } else {
                 places.push(None);
@@ -99,18 +96,25 @@ impl<'m> Fine<'m> {
         fine
     }
 
-    fn push(&mut self, source: Source, key: ([i32; 3], bool), of: CellId) {
+    fn push(&mut self, source: Source, of: CellId) {
         self.cells.push(source);
-        self.keys.push(key);
         self.of.push(of);
     }
 
-    /// The cells laid out for regions to grow over.
-    pub(crate) fn field(&mut self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
-        let keys = std::mem::take(&mut self.keys);
+    /// The cells laid out for regions to grow over, by the grid that they are of.
+    pub(crate) fn field(&self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
         // All are cells of the grids.
+        let keys: Vec<([i32; 3], bool)> = (0..self.cells.len()).filter_map(|at| self.key(grid, at)).collect();
         let stats = |at: usize| self.stats(grid, at).unwrap_or(Stats::new([0.0; 3]));
         Field::of_each(&keys, stats, grid.cell_size())
+    }
+
+    /// The key of a cell, of a whole one that of the first cell it is in the place of; and whether it is whole.
+    fn key(&self, grid: &VoxelGrid, at: usize) -> Option<([i32; 3], bool)> {
+        Some(match self.cells.get(at)? {
+            Source::Half(id) => (grid.get(*id)?.key(), false),
+            Source::Whole(_) => (self.coarse.grid.get(*self.of.get(at)?)?.key().map(|k| k << 1), true),
+        })
     }
 
     fn stats(&self, grid: &VoxelGrid, at: usize) -> Option<Stats> {
@@ -215,12 +219,13 @@ mod tests {
         assert!(fine(&sharp).places.0.is_empty());
         let blurred = mapper(0.0201);
         let fine = fine(&blurred);
-        let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| fine.keys[*at].1).collect();
+        let is_whole = |at: usize| fine.key(blurred.fine().unwrap(), at).unwrap().1;
+        let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| is_whole(*at)).collect();
         assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
         for at in 0..fine.cells.len() {
             let sample: Vec<[f32; 3]> = fine.sample(at).places().collect();
             let points = fine.stats(blurred.fine().unwrap(), at).unwrap().count();
-            assert_eq!((points, fine.keys[at].1), if wide.contains(&at) { (100, true) } else { (25, false) });
+            assert_eq!(points, if is_whole(at) { 100 } else { 25 });
             assert!((1..=16).contains(&sample.len()));
             for place in sample {
                 let inside = |i: usize| f64::from(place[i]).abs() <= 0.5 * CELL;

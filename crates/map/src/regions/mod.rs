@@ -104,7 +104,7 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let (mut nodes, mut fine) = rayon::join(
+        let (mut nodes, fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
             || Fine::of(&cells, coarse, samples),
         );
