@@ -92,10 +92,7 @@ impl Builder {
         let room = self.scene;
         let mut building = Scene { planes: Vec::new(), views: Vec::new(), ..room.clone() };
         for place in places {
-            let moved = Pose::new(Pose::IDENTITY.rotation(), place)
-                .map_err(Into::into)
-                .and_then(|pose| room.transformed(&pose))
-                .expect("the place is a number of metres");
+            let moved = room.translated(place).expect("the place is a number of metres");
             let before = building.planes.len();
             building.planes.extend(moved.planes.into_iter().zip(before..).map(|(plane, index)| ScenePlane {
                 id: PlaneId::from_index(index).expect("few planes"),

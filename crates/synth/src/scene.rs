@@ -8,6 +8,7 @@ use crate::scenes;
 use crate::sensor::{Sensor, View};
 use crate::shape::Ray;
 use crate::synthetic::Synthetic;
+use crate::vector::{Vec3, add_scaled};
 use std::num::NonZeroU16;
 use terrace_types::{Plane, PlaneId, Pose};
 
@@ -144,15 +145,29 @@ impl Scene {
     /// # Errors
     /// [`SynthError::Pose`] or [`SynthError::Plane`] when the motion leaves the range of numbers.
     pub fn transformed(&self, pose: &Pose) -> Result<Self, SynthError> {
+        self.moved(|own| compose(pose, own), |point| pose.transform(point), |normal| pose.rotate(normal))
+    }
+
+    /// As [`transformed`](Self::transformed) by a translation in metres, which leaves all rotations as they are, to the bit.
+    pub(crate) fn translated(&self, by: Vec3) -> Result<Self, SynthError> {
+        self.moved(|own| Ok(own.translated(by)?), |point| add_scaled(point, 1.0, by), |normal| normal)
+    }
+
+    /// With each pose, and the points and normals of planes, moved so.
+    fn moved(
+        &self,
+        pose: impl Fn(&Pose) -> Result<Pose, SynthError>,
+        point: impl Fn(Vec3) -> Vec3,
+        normal: impl Fn(Vec3) -> Vec3,
+    ) -> Result<Self, SynthError> {
         let mut moved = self.clone();
-        moved.placement = compose(pose, &self.placement)?;
+        moved.placement = pose(&self.placement)?;
         for view in &mut moved.views {
-            view.in_world = compose(pose, &view.in_world)?;
+            view.in_world = pose(&view.in_world)?;
         }
-        for plane in &mut moved.planes {
-            let normal = plane.plane.normal();
-            let foot = normal.map(|x| -plane.plane.d() * x);
-            plane.plane = Plane::through(pose.transform(foot), pose.rotate(normal))?;
+        for ScenePlane { plane, .. } in &mut moved.planes {
+            let foot = plane.normal().map(|x| -plane.d() * x);
+            *plane = Plane::through(point(foot), normal(plane.normal()))?;
         }
         Ok(moved)
     }

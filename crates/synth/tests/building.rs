@@ -23,12 +23,8 @@ proptest! {
         let params = |points| Params { points: Some(points), sigma: None, seed };
         let made = building.generate(&params(280 * usize::from(rooms))).unwrap();
         let alone = room.generate(&params(280)).unwrap();
-        // Views draw by their number: what is measured in the first room is what is measured in the room, to the last bit.
-        for (view, same) in made.scans.iter().zip(&alone.scans) {
-            prop_assert_eq!(&view.labels, &same.labels);
-            prop_assert_eq!(view.scan.points(), same.scan.points());
-            prop_assert_eq!(view.scan.sigma(), same.scan.sigma());
-        }
+        // Views draw by their number: the first room is the room to the last bit.
+        prop_assert_eq!(&made.scans[..14], &alone.scans[..]);
         for (views, planes) in made.scans.chunks(14).zip(building.planes().chunks(room.planes().len())) {
             let [at, first] = [&views[0], &alone.scans[0]].map(|scan| scan.scan.sensor_position().unwrap());
             let offset = [0, 1, 2].map(|i| at[i] - first[i]);
@@ -41,8 +37,7 @@ proptest! {
                 else {
                     panic!("a sensor's frame")
                 };
-                let rotations = pose.rotation().into_iter().flatten().zip(of_room.rotation().into_iter().flatten());
-                prop_assert!(rotations.into_iter().all(|(a, b)| (a - b).abs() < 1e-12));
+                prop_assert_eq!(pose.rotation(), of_room.rotation());
                 let moved = [0, 1, 2].map(|i| of_room.translation()[i] + offset[i]);
                 prop_assert!((0..3).all(|i| (moved[i] - pose.translation()[i]).abs() < 1e-9));
                 // What is seen from a room is of that room.

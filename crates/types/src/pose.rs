@@ -90,6 +90,18 @@ impl Pose {
         Ok(Self { rotation: [x, y, cross(x, y)], translation })
     }
 
+    /// The same orientation, to the bit, this many metres further along each axis.
+    ///
+    /// # Errors
+    /// [`PoseError::NotFinite`] when that is nowhere.
+    pub fn translated(&self, by: [f64; 3]) -> Result<Self, PoseError> {
+        let translation = [0, 1, 2].map(|i| self.translation[i] + by[i]);
+        match translation.iter().find(|x| !x.is_finite()) {
+            Some(value) => Err(PoseError::NotFinite { value: *value }),
+            None => Ok(Self { translation, ..*self }),
+        }
+    }
+
     /// From a 4×4 matrix, row by row. The last entry of the last row is not looked at: it is 1 by definition, and
     /// some recorders keep a time stamp there.
     ///

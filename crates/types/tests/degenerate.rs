@@ -316,3 +316,16 @@ fn errors_name_what_they_refuse() {
         "the 3x3 part of the pose is not a rotation: it is 3 away from one (at most 0.001)"
     );
 }
+
+#[test]
+fn a_pose_moves_without_a_rounding_of_its_rotation() {
+    let pose = Pose::from_quaternion([1.0, 2.0, 3.0], [0.1, -0.2, 0.3, 0.9]).unwrap();
+    let moved = pose.translated([0.5, -2.0, 4.0]).unwrap();
+    assert_eq!((moved.rotation(), moved.translation()), (pose.rotation(), [1.5, 0.0, 7.0]));
+    assert_eq!(pose.translated([0.0; 3]), Ok(pose));
+    for nowhere in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(matches!(pose.translated([0.0, nowhere, 0.0]), Err(PoseError::NotFinite { .. })));
+    }
+    let far = pose.translated([f64::MAX, 0.0, 0.0]).unwrap();
+    assert!(matches!(far.translated([f64::MAX, 0.0, 0.0]), Err(PoseError::NotFinite { .. })));
+}
