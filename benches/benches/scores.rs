@@ -8,7 +8,8 @@
 //! * `--moved`: each scene again, turned at random and moved by 5000 km along each axis, with how many planes match that
 //!   did not before, and how many are the same planes.
 //! * `--ablation`: each scene again without each step of the method, and how far F1@.8 and weighted cover fall (or rise).
-//! * `--planes`: under each scene, what became of every true plane and which found planes are of none.
+//! * `--planes`: under each scene, what became of every true plane and which found planes are of none; `goes on in` are the points
+//!   labelled as of no plane that a small true plane goes on through.
 //! * `--csv FILE`: all measures of `terrace_eval`, and those of here, as a table.
 //! * `--export DIR`: points, true and found labels of each scene as files; `benches/peers/run` gives them to other programs.
 //! * `--pictures DIR`: each scene as a picture, coloured by true planes and beside it by found ones.
@@ -24,6 +25,7 @@ use std::process::ExitCode;
 
 use terrace::{Join, Params, Regions};
 use terrace_benches::ablation::Ablation;
+use terrace_benches::beyond::beyond;
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
 use terrace_benches::overlap::{Overlaps, Part};
 use terrace_benches::{Score, export, peers, pictures, value};
@@ -311,18 +313,22 @@ fn csv(rows: &[Row]) -> String {
 fn print_planes(name: &str, scene: &Labelled, score: &Score) {
     let overlaps = &score.overlaps;
     println!("\n{name}: true planes, the worst first\n");
-    println!("| true | points | best IoU | found: shared points of all its points |");
-    println!("|---|---|---|---|");
+    println!("| true | points | goes on in | best IoU | found: shared points of all its points |");
+    println!("|---|---|---|---|---|");
     let mut planes: Vec<(f64, i32, u64)> = overlaps
         .truth()
         .filter(|(label, _)| *label > 0)
         .map(|(label, points)| (best(&overlaps.in_truth(label)), label, points))
         .collect();
     planes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all: Vec<Option<[f64; 3]>> =
+        scene.scans.iter().flat_map(|scan| scan.world_points()).map(|p| p.map(|p| p.position)).collect();
     for (iou, label, points) in planes {
         let called = scene.planes.iter().find(|(id, _)| id.get().cast_signed() == label);
         let called = called.map(|(_, known)| known.name.as_str()).unwrap_or_default();
-        println!("| {label} {called} | {points} | {iou:.3} | {} |", parts(&overlaps.in_truth(label)));
+        let more = beyond(&scene.truth, &all, label).map(|more| more.to_string()).unwrap_or_default();
+        let found = parts(&overlaps.in_truth(label));
+        println!("| {label} {called} | {points} | {more} | {iou:.3} | {found} |");
     }
     print_found(name, score, overlaps);
 }

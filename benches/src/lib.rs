@@ -2,6 +2,7 @@
 //! instructions.
 
 pub mod ablation;
+pub mod beyond;
 pub mod export;
 pub mod instructions;
 pub mod labelled;
