@@ -6,6 +6,7 @@ use terrace_normals::UncertainNormal;
 
 use super::columns::Near;
 use super::level::{NoiseLevel, Residuals};
+use super::noise_around::Among;
 use super::{Errors, Owned, PlaneEstimate};
 use crate::first::used_of;
 use crate::nodes::Nodes;
@@ -94,7 +95,7 @@ impl Owned<'_, '_> {
         let near = Near { centroid: fitted.fit.centroid.into(), normal: fitted.fit.normal.into() };
         let mut columns = self.columns(None, around, &near, self.errors.level.as_ref());
         if self.errors.level.is_some() {
-            columns.take_noise_from_around(&near);
+            columns.take_noise_from_around(&near, Among::All);
         }
         let counts = columns.block(columns.place(key), depth);
         let mut found = columns.fit(&counts, near.normal)?;

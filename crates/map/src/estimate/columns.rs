@@ -8,7 +8,8 @@ use terrace_normals::CovariantPlane;
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
-use super::level::{NoiseLevel, Residuals, scatter_along};
+use super::level::{NoiseLevel, Residuals};
+use super::noise_around::Among;
 use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
 use super::{Errors, ExtractedPlane, Owned};
@@ -18,10 +19,6 @@ use super::{Errors, ExtractedPlane, Owned};
 const FAR: f64 = 5.0;
 /// Voxels above and below that are looked at, at most: errors larger than cells say little of a plane.
 const REACH: i32 = 4;
-/// The level of noise around a column is taken from so many columns at least.
-const FEWEST_AROUND: usize = 4;
-/// And is at most this, in units of the variance of the level of the map.
-const MOST_NOISE: f64 = 4.0;
 
 /// A plane that another one is near to.
 #[derive(Debug, Clone, Copy)]
@@ -285,42 +282,7 @@ impl Columns {
         for column in self.all.iter_mut().filter(|column| column.of != Of::Rim) {
             column.take_level(self.anchor, level, errors);
         }
-        self.take_noise_from_around(near);
-    }
-
-    /// Takes the level of noise from the columns around each, in their median, where the level of the whole map was taken: it
-    /// knows how far a surface is, but not how it reflects or at what angle it was seen. What scatters far more than the level is no
-    /// noise.
-    pub(crate) fn take_noise_from_around(&mut self, near: &Near) {
-        let normal = near.normal;
-        let shown: Vec<Option<f64>> = self
-            .all
-            .iter()
-            .map(|column| {
-                let level = variance_along(&column.sum, normal);
-                let shown =
-                    scatter_along(&column.sum, normal.to_array()).filter(|_| column.of == Of::Plane)?;
-                Some(shown.min(MOST_NOISE * level))
-            })
-            .collect();
-        for at in 0..self.all.len() {
-            let mut near = [f64::INFINITY; 9];
-            let mut count = 0;
-            for (place, variance) in near.iter_mut().zip(self.around(at).filter_map(|at| shown[at])) {
-                *place = variance;
-                count += 1;
-            }
-            if count < FEWEST_AROUND {
-                continue;
-            }
-            near.sort_unstable_by(f64::total_cmp);
-            let variance = near[count / 2];
-            let column = &mut self.all[at];
-            let level = variance_along(&column.sum, normal);
-            if variance > 0.0 && level > 0.0 {
-                column.sum = column.sum.with_noise(column.sum.noise() * (variance / level));
-            }
-        }
+        self.take_noise_from_around(near, Among::Explained);
     }
 
     /// Finds the neighbours of each column. Two cursors walk the sorted places, one at each side.

@@ -4,6 +4,7 @@ mod cells;
 mod columns;
 mod faces;
 mod level;
+mod noise_around;
 mod shared;
 mod sightings;
 mod support;

@@ -8,7 +8,7 @@ use super::columns::{Column, Columns, Near, Of, Sides, variance_along};
 /// Cells further off than this many standard errors of their points are not of the plane.
 const FAR: f64 = 4.0;
 /// Columns whose mean or scatter is off by more of its standard errors hold something else.
-const DEVIATIONS: f64 = 4.0;
+pub(super) const DEVIATIONS: f64 = 4.0;
 /// Where columns usually deviate by more than this, in units of their variance, a plane is looked for that fits most.
 const ROUGH: f64 = 2.0;
 /// Columns that deviate by no more of their usual deviation are most likely of it.

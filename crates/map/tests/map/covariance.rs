@@ -152,6 +152,32 @@ fn unknown_errors_are_found_out() {
     }
 }
 
+/// Nor does a board that leans at a wall take what scatters at its edges for noise: its columns are few, and most hold something else.
+#[test]
+fn errors_that_are_found_out_are_those_of_the_plane_alone() {
+    let scene = Scene::room();
+    let params = terrace_synth::Params { points: Some(300_000), sigma: Some(0.0), seed: 1 };
+    let made = scene.generate(&params).unwrap();
+    let board = made.planes.iter().find(|plane| plane.name == "board").unwrap();
+    let kinect: SensorNoise = "kinect".parse().unwrap();
+    let exact: Vec<Scan> =
+        made.scans.iter().map(|s| stated(&s.scan, &kinect, scene.optical_axis()).unwrap()).collect();
+    let mut found = Calibration::new(3).unwrap();
+    for copy in 0..12 {
+        let mut mapper = Mapper::new(Params::default()).unwrap();
+        for (scan, stream) in exact.iter().zip(0..) {
+            mapper.insert(&perturbed(scan, copy, stream).with_sigma(Sigma::Unknown).unwrap()).unwrap();
+        }
+        for plane in &mapper.extract().unwrap().planes {
+            if let Some((estimate, _)) = matched(plane, std::slice::from_ref(board)) {
+                found.push(squared_error(&estimate, board)).unwrap();
+            }
+        }
+    }
+    let nees = found.nees().unwrap();
+    assert!(found.count() > 4 && (nees - 1.0).abs() < tolerance(&found) + 0.1, "{} {nees}", found.count());
+}
+
 /// As a function of the distance, where it is known from where points were seen.
 #[test]
 fn unknown_errors_are_found_out_by_distance() {
