@@ -54,6 +54,11 @@ impl Sums {
         self.noise = noise * (1.0 / self.points);
     }
 
+    /// Adds to the errors of all points.
+    pub(crate) fn add_noise(&mut self, mean: &SymmetricMatrix3) {
+        self.noise += *mean;
+    }
+
     /// The sums about an anchor.
     #[inline]
     pub(crate) fn about(&self, anchor: DVec3) -> Sum {

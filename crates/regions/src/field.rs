@@ -12,6 +12,7 @@ use crate::around::{Bounded, told};
 use crate::cell::{Noise, Sums};
 use crate::flat::Fitted;
 use crate::level::{Level, along_curve, number};
+use crate::shared::SharedNoise;
 use crate::sum::Sum;
 use crate::turned::Turned;
 use crate::{Cell, RegionsError};
@@ -53,6 +54,8 @@ pub struct Field {
     wide: Vec<bool>,
     pub(crate) levels: Vec<Level>,
     anchored: Anchored,
+    /// What points of each cell have in common, a part of their errors; empty where they have nothing.
+    shared: Vec<SharedNoise>,
     /// By level and group, what the sums of a group and of those it touches tell of the plane through them; while regions grow.
     pub(crate) bounded: Vec<Vec<Bounded>>,
     /// How the surface around each cell may be turned, likewise.
@@ -123,8 +126,8 @@ impl Field {
         if twice > 0 {
             return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
         }
-        let (bounded, turned) = (Vec::new(), Vec::new());
-        Ok(Self { order, cells: sums, anchors, keys, wide, levels, anchored, bounded, turned, edge })
+        let (shared, bounded, turned) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { order, cells: sums, anchors, keys, wide, levels, anchored, shared, bounded, turned, edge })
     }
 
     /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
@@ -160,6 +163,32 @@ impl Field {
             (!noise.is_finite()).then_some(*given as usize)
         });
         strange.min().map_or(Ok(()), |cell| Err(RegionsError::Cell { cell }))
+    }
+
+    /// Adds errors that points of a cell have in common: `shared` tells those of a cell, by its place among those that were given. They are
+    /// errors of points like others, but points that lie off by them are off together. To be told once, before regions grow.
+    ///
+    /// # Errors
+    /// [`RegionsError::Cell`] when they are not finite.
+    pub fn add_shared_noise(
+        &mut self,
+        shared: impl Fn(usize) -> SharedNoise + Sync,
+    ) -> Result<(), RegionsError> {
+        let of_each = self.order.par_iter().with_min_len(AT_ONCE);
+        self.shared = of_each.map(|given| shared(*given as usize)).collect();
+        for (sums, shared) in self.cells.iter_mut().zip(&self.shared) {
+            sums.add_noise(&shared.of_points);
+        }
+        let strange = self.order.iter().zip(&self.shared).filter(|(_, shared)| !shared.is_finite());
+        strange
+            .map(|(given, _)| *given as usize)
+            .min()
+            .map_or(Ok(()), |cell| Err(RegionsError::Cell { cell }))
+    }
+
+    /// By how much the mean square of errors that points of a cell have in common may be off, as a standard deviation, in m².
+    pub(crate) fn uncertainty_of_shared(&self, cell: usize, direction: DVec3) -> f64 {
+        self.shared.get(cell).map_or(0.0, |shared| shared.uncertainty(direction))
     }
 
     /// Finds what only growth asks for.

@@ -216,7 +216,9 @@ impl Growth {
         let variance = self.noise.variance(sums, plane.normal);
         let errors = SLACK * (1.0 + SIGNIFICANT * (2.0 / sums.points).sqrt());
         let by_offset = self.without != Some(Step::Offsets);
-        if by_offset && sums.mean_square(plane) > variance * (errors + self.spread * self.spread * spread) {
+        let allowed = variance * (errors + self.spread * self.spread * spread)
+            + SLACK * SIGNIFICANT * field.uncertainty_of_shared(cell, plane.normal);
+        if by_offset && sums.mean_square(plane) > allowed {
             return false;
         }
         // Nearly all cells are told by their sums.
@@ -233,7 +235,9 @@ impl Growth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{NOISE, field, square};
+    use crate::scene::{NOISE, field, square, ungrown};
+    use crate::{RegionsError, SharedNoise};
+    use terrace_stats::SymmetricMatrix3;
 
     const STRICT: Growth = Growth { noise: NOISE, spread: 0.0, without: None };
 
@@ -256,6 +260,27 @@ mod tests {
             grow(&mut Arounds::of(&field), Growth { noise, spread: 3.0, without: None }).len()
         };
         assert_eq!((regions(1.0), regions(1.5)), (1, 2));
+    }
+
+    #[test]
+    fn what_one_scan_is_off_as_a_whole_is_on_the_plane_where_such_errors_are_told() {
+        let near = square(|x, y| [x, y, 0.05]);
+        let off = square(|x, y| [1.2 + x, y, 0.05 + 0.16]);
+        let largest = |shared: f64| {
+            let mut field = ungrown(&[&near[..], &off].concat());
+            // Each place was seen by one scan: nothing averages out.
+            let shared = SymmetricMatrix3::diagonal([shared * shared; 3]);
+            field.add_shared_noise(|_| SharedNoise { of_points: shared, of_mean: shared }).unwrap();
+            field.begin_growth();
+            let regions = grow(&mut Arounds::of(&field), STRICT);
+            let cells = regions.iter().map(|region| region.cells.len()).max().unwrap();
+            cells as f64 / field.cells.len() as f64
+        };
+        assert!(largest(0.0) < 0.7 && largest(0.08) > 0.95, "{} {}", largest(0.0), largest(0.08));
+        let mut field = ungrown(&near);
+        let strange = SharedNoise { of_mean: SymmetricMatrix3([f64::NAN; 6]), ..SharedNoise::NONE };
+        let told = |cell: usize| if cell == 3 { strange } else { SharedNoise::NONE };
+        assert_eq!(field.add_shared_noise(told), Err(RegionsError::Cell { cell: 3 }));
     }
 
     #[test]

@@ -93,6 +93,7 @@ mod scene;
 mod seeds;
 mod segment;
 mod settings;
+mod shared;
 mod slice;
 mod sum;
 mod surface;
@@ -107,6 +108,7 @@ pub use labels::Points;
 pub use samples::{PartOf, Sample, Samples, Together};
 pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
 pub use settings::{Settings, Step};
+pub use shared::SharedNoise;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -23,6 +23,13 @@ pub(crate) fn square(place: impl Fn(f64, f64) -> [f64; 3]) -> Vec<[f64; 3]> {
 
 /// The cells that points are in, by their keys.
 pub(crate) fn field(points: &[[f64; 3]]) -> Field {
+    let mut field = ungrown(points);
+    field.begin_growth();
+    field
+}
+
+/// The same before growth begins.
+pub(crate) fn ungrown(points: &[[f64; 3]]) -> Field {
     let mut cells: BTreeMap<[i32; 3], Stats> = BTreeMap::new();
     for point in points {
         #[allow(clippy::cast_possible_truncation, reason = "squares are small")]
@@ -33,7 +40,5 @@ pub(crate) fn field(points: &[[f64; 3]]) -> Field {
     }
     let cells: Vec<Cell> =
         cells.into_iter().map(|(key, stats)| Cell { key, is_wide: false, stats }).collect();
-    let mut field = Field::of(&cells, EDGE).unwrap();
-    field.begin_growth();
-    field
+    Field::of(&cells, EDGE).unwrap()
 }

@@ -1,9 +1,12 @@
 //! Errors that all points of a scan share: those of its pose.
 
 use glam::DVec3;
+use terrace_grid::CellId;
 use terrace_normals::{CovariantPlane, PlaneFit};
+use terrace_regions::SharedNoise;
 use terrace_stats::{Stats, SymmetricMatrix3};
 
+use super::Errors;
 use super::columns::{Column, Columns, Seen};
 use super::sightings::Sighting;
 use crate::mapper::View;
@@ -38,6 +41,34 @@ impl Seen {
             shared.of_points += covariance * share;
         }
         Self { from, shared }
+    }
+}
+
+impl Errors<'_> {
+    /// Whether any pose is only known to within an error.
+    pub(crate) fn of_poses_are_told(&self) -> bool {
+        self.views.iter().any(|view| view.pose.is_some())
+    }
+
+    /// What errors of poses do to points at some place in a cell, by how many of the points of the cell each scan saw.
+    pub(crate) fn of_poses(&self, place: DVec3, cell: CellId) -> SharedNoise {
+        let seen = self.seen(cell.index());
+        let all: f64 = seen.iter().map(|sighting| f64::from(sighting.points)).sum();
+        let mut shared = SharedNoise::NONE;
+        for sighting in seen {
+            let Some(View { pose: Some(pose), sensor: Some(sensor), .. }) =
+                self.views.get(sighting.view as usize)
+            else {
+                continue;
+            };
+            if let Some(covariance) = pose.at(*sensor, place.to_array()) {
+                let (covariance, share) =
+                    (SymmetricMatrix3(covariance.entries()), f64::from(sighting.points) / all);
+                shared.of_points += covariance * share;
+                shared.of_mean += covariance * (share * share);
+            }
+        }
+        shared
     }
 }
 

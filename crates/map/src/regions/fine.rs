@@ -1,7 +1,7 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, Together};
+use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, SharedNoise, Together};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -147,6 +147,23 @@ impl<'m> Fine<'m> {
             self.stats(grid, at).map_or(SymmetricMatrix3::ZERO, |stats| {
                 errors.of_place(&stats, self.of[at]) * stats.count() as f64
             })
+        })
+    }
+
+    /// Adds to the errors of points those that the poses of their scans give them. Scans are off against each other by these, so that a
+    /// surface which several have seen is as thick, and would be taken for several by the errors of points alone.
+    pub(crate) fn add_errors_of_poses(
+        &self,
+        grid: &VoxelGrid,
+        field: &mut Field,
+        errors: &Errors,
+    ) -> Result<(), RegionsError> {
+        if !errors.of_poses_are_told() {
+            return Ok(());
+        }
+        field.add_shared_noise(|at| {
+            let mean = self.stats(grid, at).and_then(|stats| stats.mean());
+            mean.map_or(SharedNoise::NONE, |mean| errors.of_poses(mean.into(), self.of[at]))
         })
     }
 

@@ -117,6 +117,8 @@ impl<'m> Grown<'m> {
         let mut field = fine.field(&cells)?;
         if !known {
             fine.find_errors(&cells, &mut field, &mut errors)?;
+        } else {
+            fine.add_errors_of_poses(&cells, &mut field, &errors)?;
         }
         let index = match cells {
             Cow::Borrowed(_) => None,

@@ -1,6 +1,6 @@
 //! The covariance of extracted planes against the truth of scenes with known noise.
 
-use terrace::{Estimate, ExtractedPlane, Mapper, Params, PlaneEstimate, PoseNoise, Scan, Sigma};
+use terrace::{Estimate, ExtractedPlane, Frame, Mapper, Params, PlaneEstimate, Pose, PoseNoise, Scan, Sigma};
 use terrace_calibration::{Calibration, squared_mahalanobis};
 use terrace_noise::SensorNoise;
 use terrace_synth::{Scene, TruePlane, misplaced, perturbed, stated};
@@ -128,6 +128,32 @@ fn the_error_of_a_pose_counts_once_for_a_scan() {
         let (untold, _) = nees_with_wrong_poses(preset, false);
         assert!(untold > 3.0, "{untold}");
     }
+}
+
+/// Scans that are off against each other by several times the errors of their points see one wall, if that is told.
+#[test]
+fn a_wall_that_scans_see_apart_is_one_plane_where_errors_of_poses_are_told() {
+    let pose = PoseNoise::from_degrees(0.05, 0.0).unwrap();
+    let scans: Vec<Scan> = (0..6_u8)
+        .map(|k| {
+            // Each goes on where the one before ends, and sees a third of that.
+            let wall = |i: u16| [f64::from(i % 60) * 0.025 + f64::from(k), f64::from(i / 60) * 0.025, 2.0];
+            let points: Vec<[f64; 3]> = (0..60 * 60).map(wall).collect();
+            let frame = Frame::Sensor { pose: Pose::IDENTITY };
+            let exact = Scan::new(points, Sigma::Uniform(0.01), frame).unwrap();
+            misplaced(&perturbed(&exact, 5, k.into()), &pose, 5, k.into()).unwrap()
+        })
+        .collect();
+    let found = |told: Option<PoseNoise>| {
+        let mut mapper = Mapper::new(Params::default()).unwrap();
+        for scan in &scans {
+            mapper.insert_from(scan, told).unwrap();
+        }
+        let map = mapper.extract().unwrap();
+        (map.planes.len(), map.summary().labelled as f64 / map.labels.len() as f64)
+    };
+    let ((planes, labelled), (untold, _)) = (found(Some(pose)), found(None));
+    assert!(planes == 1 && labelled > 0.98 && untold > 2, "{planes} {labelled} {untold}");
 }
 
 #[test]
