@@ -115,10 +115,10 @@ impl<'m> Grown<'m> {
         let mut errors = Errors::of(mapper, known, floor);
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
         let mut field = fine.field(&cells)?;
-        if !known {
-            fine.find_errors(&cells, &mut field, &mut errors)?;
-        } else {
+        if known {
             fine.add_errors_of_poses(&cells, &mut field, &errors)?;
+        } else {
+            fine.find_errors(&cells, &mut field, &mut errors)?;
         }
         let index = match cells {
             Cow::Borrowed(_) => None,
