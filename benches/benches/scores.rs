@@ -23,7 +23,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use terrace::{Join, Params, Regions};
+use terrace::{Join, Params, Regions, Scan};
 use terrace_benches::ablation::Ablation;
 use terrace_benches::beyond::beyond;
 use terrace_benches::labelled::{Entry, Labelled, Motion, entries};
@@ -322,7 +322,7 @@ fn print_planes(name: &str, scene: &Labelled, score: &Score) {
         .collect();
     planes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let all: Vec<Option<[f64; 3]>> =
-        scene.scans.iter().flat_map(|scan| scan.world_points()).map(|p| p.map(|p| p.position)).collect();
+        scene.scans.iter().flat_map(Scan::world_points).map(|p| p.map(|p| p.position)).collect();
     for (iou, label, points) in planes {
         let called = scene.planes.iter().find(|(id, _)| id.get().cast_signed() == label);
         let called = called.map(|(_, known)| known.name.as_str()).unwrap_or_default();
