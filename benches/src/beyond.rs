@@ -63,7 +63,8 @@ mod tests {
 
     /// A strip of 2 × `length` points with a step of 1, up and down by 1 mm.
     fn strip(length: u8) -> Vec<Option<[f64; 3]>> {
-        let point = |k: u8| [f64::from(k / 2), f64::from(k % 2), if k % 3 == 0 { 0.001 } else { -0.001 }];
+        let point =
+            |k: u8| [f64::from(k / 2), f64::from(k % 2), if k.is_multiple_of(3) { 0.001 } else { -0.001 }];
         (0..2 * length).map(|k| Some(point(k))).collect()
     }
 
