@@ -5,12 +5,12 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 use terrace_grid::VoxelKey;
 use terrace_normals::CovariantPlane;
+use terrace_regions::SharedNoise;
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
 use super::level::{NoiseLevel, Residuals};
 use super::noise_around::Among;
-use super::shared::SharedErrors;
 use super::sightings::{Sighting, merged};
 use super::{Errors, ExtractedPlane, Owned};
 
@@ -54,7 +54,7 @@ pub(crate) struct Column {
 #[derive(Debug, Clone)]
 pub(crate) struct Seen {
     pub(crate) from: Vec<Sighting>,
-    pub(crate) shared: SharedErrors,
+    pub(crate) shared: SharedNoise,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

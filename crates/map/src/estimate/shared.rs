@@ -11,35 +11,28 @@ use super::columns::{Column, Columns, Seen};
 use super::sightings::Sighting;
 use crate::mapper::View;
 
-/// What shared errors do to the points of a column.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SharedErrors {
-    /// Covariance that they give to the mean of the points.
-    pub(crate) of_mean: SymmetricMatrix3,
-    /// Mean covariance that they give to a point.
-    pub(crate) of_points: SymmetricMatrix3,
-}
-
-impl SharedErrors {
-    const NONE: Self = Self { of_mean: SymmetricMatrix3::ZERO, of_points: SymmetricMatrix3::ZERO };
+/// What errors of poses do to points at a place, of which each scan saw some; `points` are all. Scans are wrong independently of each other.
+fn of_poses(from: &[Sighting], place: [f64; 3], points: f64, views: &[View]) -> SharedNoise {
+    let mut shared = SharedNoise::NONE;
+    for sighting in from {
+        let Some(view) = views.get(sighting.view as usize) else { continue };
+        let Some(covariance) = view.pose.zip(view.sensor).and_then(|(pose, sensor)| pose.at(sensor, place))
+        else {
+            continue;
+        };
+        let (covariance, share) =
+            (SymmetricMatrix3(covariance.entries()), f64::from(sighting.points) / points);
+        shared.of_mean += covariance * (share * share);
+        shared.of_points += covariance * share;
+    }
+    shared
 }
 
 impl Seen {
-    /// The points of a place, some from each scan. Scans are wrong independently of each other.
+    /// The points of a place, some from each scan.
     pub(crate) fn of(from: Vec<Sighting>, place: &Stats, views: &[View]) -> Self {
-        let mut shared = SharedErrors::NONE;
-        for sighting in &from {
-            let Some(view) = views.get(sighting.view as usize) else { continue };
-            let covariance = view
-                .pose
-                .zip(view.sensor)
-                .and_then(|(pose, sensor)| pose.at(sensor, place.mean()?))
-                .map(|covariance| SymmetricMatrix3(covariance.entries()));
-            let Some(covariance) = covariance else { continue };
-            let share = f64::from(sighting.points) / place.count() as f64;
-            shared.of_mean += covariance * (share * share);
-            shared.of_points += covariance * share;
-        }
+        let shared =
+            place.mean().map_or(SharedNoise::NONE, |mean| of_poses(&from, mean, place.count() as f64, views));
         Self { from, shared }
     }
 }
@@ -51,24 +44,10 @@ impl Errors<'_> {
     }
 
     /// What errors of poses do to points at some place in a cell, by how many of the points of the cell each scan saw.
-    pub(crate) fn of_poses(&self, place: DVec3, cell: CellId) -> SharedNoise {
+    pub(crate) fn of_poses(&self, place: [f64; 3], cell: CellId) -> SharedNoise {
         let seen = self.seen(cell.index());
-        let all: f64 = seen.iter().map(|sighting| f64::from(sighting.points)).sum();
-        let mut shared = SharedNoise::NONE;
-        for sighting in seen {
-            let Some(View { pose: Some(pose), sensor: Some(sensor), .. }) =
-                self.views.get(sighting.view as usize)
-            else {
-                continue;
-            };
-            if let Some(covariance) = pose.at(*sensor, place.to_array()) {
-                let (covariance, share) =
-                    (SymmetricMatrix3(covariance.entries()), f64::from(sighting.points) / all);
-                shared.of_points += covariance * share;
-                shared.of_mean += covariance * (share * share);
-            }
-        }
-        shared
+        let points = seen.iter().map(|sighting| f64::from(sighting.points)).sum();
+        of_poses(seen, place, points, self.views)
     }
 }
 

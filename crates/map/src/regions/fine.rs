@@ -163,7 +163,7 @@ impl<'m> Fine<'m> {
         }
         field.add_shared_noise(|at| {
             let mean = self.stats(grid, at).and_then(|stats| stats.mean());
-            mean.map_or(SharedNoise::NONE, |mean| errors.of_poses(mean.into(), self.of[at]))
+            mean.map_or(SharedNoise::NONE, |mean| errors.of_poses(mean, self.of[at]))
         })
     }
 

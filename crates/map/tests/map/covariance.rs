@@ -67,6 +67,16 @@ fn white(scene: &Scene, points: usize, sigma: f64) -> (Vec<Scan>, Vec<TruePlane>
     (made.scans.into_iter().map(state).collect(), made.planes)
 }
 
+/// Exact points of a room, with the errors of a Kinect.
+fn room_seen_by_a_camera(points: usize) -> (Vec<Scan>, Vec<TruePlane>) {
+    let scene = Scene::room();
+    let params = terrace_synth::Params { points: Some(points), sigma: Some(0.0), seed: 1 };
+    let made = scene.generate(&params).unwrap();
+    let kinect: SensorNoise = "kinect".parse().unwrap();
+    let state = |s: &terrace_synth::LabelledScan| stated(&s.scan, &kinect, scene.optical_axis()).unwrap();
+    (made.scans.iter().map(state).collect(), made.planes)
+}
+
 /// Each value of χ² of three degrees by three scatters by √(2/3); four standard errors of their mean.
 fn tolerance(found: &Calibration) -> f64 {
     4.0 * (2.0 / 3.0 / found.count() as f64).sqrt()
@@ -92,14 +102,9 @@ fn planes_are_as_far_off_as_they_say() {
 /// A camera's errors lie mostly along its rays, and a door stands a hand's breadth behind its wall.
 #[test]
 fn planes_seen_along_rays_are_as_far_off_as_they_say() {
-    let scene = Scene::room();
-    let params = terrace_synth::Params { points: Some(150_000), sigma: Some(0.0), seed: 1 };
-    let made = scene.generate(&params).unwrap();
-    let kinect: SensorNoise = "kinect".parse().unwrap();
-    let exact: Vec<Scan> =
-        made.scans.iter().map(|s| stated(&s.scan, &kinect, scene.optical_axis()).unwrap()).collect();
+    let (exact, truth) = room_seen_by_a_camera(150_000);
     for preset in ESTIMATED {
-        let (found, _) = over_copies(preset, &exact, &made.planes, 12, plainly);
+        let (found, _) = over_copies(preset, &exact, &truth, 12, plainly);
         assert!(found.count() > 80, "{}", found.count());
         let nees = found.nees().unwrap();
         assert!((nees - 1.0).abs() < tolerance(&found) + 0.1, "{nees}");
@@ -181,13 +186,8 @@ fn unknown_errors_are_found_out() {
 /// Nor does a board that leans at a wall take what scatters at its edges for noise: its columns are few, and most hold something else.
 #[test]
 fn errors_that_are_found_out_are_those_of_the_plane_alone() {
-    let scene = Scene::room();
-    let params = terrace_synth::Params { points: Some(300_000), sigma: Some(0.0), seed: 1 };
-    let made = scene.generate(&params).unwrap();
-    let board = made.planes.iter().find(|plane| plane.name == "board").unwrap();
-    let kinect: SensorNoise = "kinect".parse().unwrap();
-    let exact: Vec<Scan> =
-        made.scans.iter().map(|s| stated(&s.scan, &kinect, scene.optical_axis()).unwrap()).collect();
+    let (exact, truth) = room_seen_by_a_camera(300_000);
+    let board = truth.iter().find(|plane| plane.name == "board").unwrap();
     let mut found = Calibration::new(3).unwrap();
     for copy in 0..12 {
         let mut mapper = Mapper::new(Params::default()).unwrap();
