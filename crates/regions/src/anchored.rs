@@ -94,6 +94,9 @@ impl Anchored {
 
     /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone: as they are kept, or
     /// else made anew.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(crate) fn sum_around<'s>(
         &self,
         level: &Level,
@@ -126,9 +129,11 @@ impl Anchored {
         cells: &'a [Sums],
         ask: impl Fn(usize, Sum) -> T + Sync + Send + 'a,
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
+        // The same additions, of more numbers at a time where the processor can.
+        let arch = pulp::Arch::new();
         let around = move |window: &mut Window, cell| {
             window.move_to(cell, self, cells);
-            ask(cell, self.sum_around(level, cells, cell, |cell| window.get(cell)))
+            ask(cell, arch.dispatch(|| self.sum_around(level, cells, cell, |cell| window.get(cell))))
         };
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
     }
@@ -141,7 +146,9 @@ impl Anchored {
         own: &[Sum],
         ask: impl Fn(Sum) -> T + Sync,
     ) -> Vec<T> {
-        let around = |group| ask(self.sum_around(level, cells, group, |group| own.get(group)));
+        let arch = pulp::Arch::new();
+        let around =
+            |group| ask(arch.dispatch(|| self.sum_around(level, cells, group, |group| own.get(group))));
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 
@@ -166,17 +173,20 @@ impl Anchored {
     /// The sums of all of some cells, about the anchor of the first.
     pub(crate) fn union(&self, all: &[Sums], cells: &[u32]) -> Option<Stats> {
         let anchor = self.anchor_of(*cells.first()?);
-        let mut sum = Sum::ZERO;
+        let (mut sum, arch) = (Sum::ZERO, pulp::Arch::new());
         let mut left = cells;
         // Cube by cube: about an anchor that is far away, squares of many cells lose digits.
         while let Some(first) = left.first() {
             let cube = self.cube_of(*first);
             let end = left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len());
             let (of_cube, rest) = left.split_at(end);
-            let mut own = Sum::ZERO;
-            for cell in of_cube {
-                own.add(&all[*cell as usize].about(cube.anchor));
-            }
+            let own = arch.dispatch(|| {
+                let mut own = Sum::ZERO;
+                for cell in of_cube {
+                    own.add(&all[*cell as usize].about(cube.anchor));
+                }
+                own
+            });
             sum.add(&own.translated(cube.anchor - anchor));
             left = rest;
         }

@@ -60,7 +60,9 @@ impl Sums {
     }
 
     /// The sums about an anchor.
-    #[inline]
+    // Into what callers are dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(crate) fn about(&self, anchor: DVec3) -> Sum {
         Sum::of_mean(self.points, self.mean - anchor, &self.scatter, &self.noise)
     }

@@ -237,14 +237,15 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         let prior = |points: f64| {
             single(if self.settings.takes(Step::Shares) { -2.0 * (points / all).ln() } else { 0.0 })
         };
-        if let Nearby::Several(mut several) = known
-            && several.near.iter().map(|near| near.region).eq(shares.iter().map(|(region, _)| *region))
-        {
+        if known.regions().iter().map(|near| near.region).eq(shares.iter().map(|(region, _)| *region)) {
             // The same, but for their shares.
-            for (near, (_, points)) in several.near.iter_mut().zip(&*shares) {
-                near.prior = prior(*points);
+            if let Nearby::Several(mut several) = known {
+                for (near, (_, points)) in several.near.iter_mut().zip(&*shares) {
+                    near.prior = prior(*points);
+                }
+                return Nearby::Several(several);
             }
-            return Nearby::Several(several);
+            return known;
         }
         let (sums, anchor) = (&self.field.cells[cell], self.field.anchors[cell]);
         let near = |(region, points): (u32, f64)| {

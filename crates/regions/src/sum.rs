@@ -15,7 +15,9 @@ impl Sum {
     pub(crate) const ZERO: Self = Self([0.0; NUMBERS]);
 
     /// Of points with this mean, relative to the anchor, and scatter about it, each with this covariance of its error in the mean.
-    #[inline]
+    // Into what callers are dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(crate) fn of_mean(
         points: f64,
         mean: DVec3,
@@ -34,7 +36,9 @@ impl Sum {
         self.0[0]
     }
 
-    #[inline]
+    // Into what callers are dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(crate) fn add(&mut self, other: &Self) {
         for (sum, more) in self.0.iter_mut().zip(&other.0) {
             *sum += more;

@@ -1,6 +1,8 @@
 //! What the labelled points of a region look like: area and bend.
 
+use foldhash::fast::FixedState;
 use glam::DVec3;
+use hashbrown::HashMap;
 
 use crate::bend::{Bend, Column};
 use crate::field::Field;
@@ -47,22 +49,23 @@ impl Looks {
             let key = field.keys[piece.cell as usize];
             [key[(axis + 1) % 3], key[(axis + 2) % 3]]
         };
-        let mut order: Vec<([i32; 2], usize)> =
-            pieces.iter().enumerate().map(|(at, piece)| (column_of(piece), at)).collect();
-        order.sort_unstable();
+        // In the order in which they are met.
+        let mut numbers: HashMap<[i32; 2], usize, FixedState> = HashMap::default();
         let (mut all, mut squares) = (0, 0.0);
         let mut columns: Vec<Sum> = Vec::new();
-        for of_column in order.chunk_by(|a, b| a.0 == b.0) {
-            let mut column = Sum::default();
-            for piece in of_column.iter().map(|(_, at)| pieces[*at]) {
-                let anchor = field.anchors[piece.cell as usize] - fitted.plane.point;
-                let points = f64::from(piece.points);
+        for piece in &pieces {
+            let number = *numbers.entry(column_of(piece)).or_insert(columns.len());
+            if number == columns.len() {
+                columns.push(Sum::default());
+            }
+            let anchor = field.anchors[piece.cell as usize] - fitted.plane.point;
+            let points = f64::from(piece.points);
+            if let Some(column) = columns.get_mut(number) {
                 column.points += points;
                 column.place += piece.sum + anchor * points;
-                all += u64::from(piece.points);
-                squares += piece.squares;
             }
-            columns.push(column);
+            all += u64::from(piece.points);
+            squares += piece.squares;
         }
         let covered = if pieces.iter().any(|piece| field.is_wide(piece.cell as usize)) {
             covered(pieces.iter().map(|piece| (column_of(piece), field.is_wide(piece.cell as usize))))

@@ -121,7 +121,9 @@ impl Mapper {
         let matters = self.sightings_matter(scan);
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
-        let at_once = if rayon::current_num_threads() == 1 { ALONE } else { AT_ONCE };
+        let alone = rayon::current_num_threads() == 1;
+        let (at_once, in_order) =
+            (if alone { ALONE } else { AT_ONCE }, alone && grid.are_in_order(scan.points()));
         let (mut world, mut places) = (World::default(), Vec::new());
         for first in (0..scan.len()).step_by(at_once) {
             let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
@@ -130,7 +132,12 @@ impl Mapper {
             }
             let begin = kept.cells.len();
             places.clear();
-            let taken = grid.insert_all(points, errors, &mut kept.cells, grows.then_some(&mut places))?;
+            let (cells, to) = (&mut kept.cells, grows.then_some(&mut places));
+            let taken = if in_order {
+                grid.insert_alone(points, errors, cells, to)
+            } else {
+                grid.insert_all(points, errors, cells, to)
+            }?;
             all = both(&all, &taken);
             if let Some(seen) = self.seen.as_mut().filter(|_| matters) {
                 seen.push(&kept.cells);

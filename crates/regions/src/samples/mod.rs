@@ -170,21 +170,22 @@ fn push(
     cells: impl Fn(usize) -> Option<u32>,
     places: &[Packed],
 ) {
-    let (mut scrambled, mut taken) = ([0; BATCH], [(0, 0, 0); BATCH]);
+    let (mut scrambled, mut taken) = ([0; BATCH], [(0, 0); BATCH]);
     for (number, places) in places.chunks(BATCH).enumerate() {
         unit.scramble_some(places, &mut scrambled);
         // Whether a place stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
         // is little and near.
         let mut count = 0;
-        for (at, scrambled) in scrambled[..places.len()].iter().enumerate() {
-            let Some(cell) = cells(number * BATCH + at) else { continue };
+        for (at, scrambled) in (0_u32..).zip(&scrambled[..places.len()]) {
+            let Some(cell) = cells(number * BATCH + at as usize) else { continue };
             let (stripe, home) = home(cell);
             let stripe = stripe.wrapping_sub(first);
-            taken[count] = (at, stripe, home);
+            taken[count] = (at, cell);
             count += usize::from(stripes.get(stripe).is_some_and(|stripe| stripe.takes(home, *scrambled)));
         }
-        for (at, stripe, home) in &taken[..count] {
-            stripes[*stripe].push(*home, places[*at], scrambled[*at], unit);
+        for (at, cell) in &taken[..count] {
+            let (at, (stripe, home)) = (*at as usize, home(*cell));
+            stripes[stripe - first].push(home, places[at], scrambled[at], unit);
         }
     }
 }
