@@ -10,6 +10,8 @@ use crate::sum::Sum;
 
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
+/// So many groups touch one, unless some are wide.
+const MOST_NEAR: usize = 26;
 /// Cells of a window: their sums stay in the cache of a processor.
 const WINDOW: usize = 4096;
 
@@ -94,9 +96,6 @@ impl Anchored {
 
     /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone: as they are kept, or
     /// else made anew.
-    // Into what it is dispatched to.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
     pub(crate) fn sum_around<'s>(
         &self,
         level: &Level,
@@ -129,11 +128,11 @@ impl Anchored {
         cells: &'a [Sums],
         ask: impl Fn(usize, Sum) -> T + Sync + Send + 'a,
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
-        // The same additions, of more numbers at a time where the processor can.
         let arch = pulp::Arch::new();
         let around = move |window: &mut Window, cell| {
             window.move_to(cell, self, cells);
-            ask(cell, arch.dispatch(|| self.sum_around(level, cells, cell, |cell| window.get(cell))))
+            let kept = |cell| window.get(cell);
+            ask(cell, arch.dispatch(Around { anchored: self, level, cells, group: cell, kept: &kept }))
         };
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
     }
@@ -147,8 +146,8 @@ impl Anchored {
         ask: impl Fn(Sum) -> T + Sync,
     ) -> Vec<T> {
         let arch = pulp::Arch::new();
-        let around =
-            |group| ask(arch.dispatch(|| self.sum_around(level, cells, group, |group| own.get(group))));
+        let kept = |group: usize| own.get(group);
+        let around = |group| ask(arch.dispatch(Around { anchored: self, level, cells, group, kept: &kept }));
         (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map(around).collect()
     }
 
@@ -180,16 +179,68 @@ impl Anchored {
             let cube = self.cube_of(*first);
             let end = left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len());
             let (of_cube, rest) = left.split_at(end);
-            let own = arch.dispatch(|| {
-                let mut own = Sum::ZERO;
-                for cell in of_cube {
-                    own.add(&all[*cell as usize].about(cube.anchor));
-                }
-                own
-            });
+            let own = arch.dispatch(Union { all, cells: of_cube, anchor: cube.anchor });
             sum.add(&own.translated(cube.anchor - anchor));
             left = rest;
         }
         Some(sum.stats(anchor))
+    }
+}
+
+/// [`Anchored::sum_around`] with the widest instructions there are: the same additions, of more numbers at a time.
+struct Around<'a, K> {
+    anchored: &'a Anchored,
+    level: &'a Level,
+    cells: &'a [Sums],
+    group: usize,
+    kept: &'a K,
+}
+
+impl<'s, K: Fn(usize) -> Option<&'s Sum>> pulp::WithSimd for Around<'_, K> {
+    type Output = Sum;
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Sum {
+        let Self { anchored, level, cells, group, kept } = self;
+        let (near, here) = (level.near(group), anchored.cube_of(level.cells(group).start));
+        let known = |group: usize| kept(group).filter(|_| here.holds(level.cells(group).start));
+        // Nearly always all are kept, and about the same anchor: then nothing comes between the additions.
+        let (mut all, mut count) = ([&Sum::ZERO; MOST_NEAR], 0);
+        for (sum, known) in all.iter_mut().zip(near.iter().map_while(|near| known(*near as usize))) {
+            *sum = known;
+            count += 1;
+        }
+        match (kept(group), all.get(..count)) {
+            (Some(own), Some(all)) if count == near.len() => {
+                let mut sum = *own;
+                all.iter().for_each(|near| sum.add(near));
+                sum
+            }
+            _ => anchored.sum_around(level, cells, group, kept),
+        }
+    }
+}
+
+/// Sums of cells about an anchor, likewise.
+struct Union<'a> {
+    all: &'a [Sums],
+    cells: &'a [u32],
+    anchor: DVec3,
+}
+
+impl pulp::WithSimd for Union<'_> {
+    type Output = Sum;
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Sum {
+        let mut sum = Sum::ZERO;
+        for cell in self.cells {
+            sum.add(&self.all[*cell as usize].about(self.anchor));
+        }
+        sum
     }
 }

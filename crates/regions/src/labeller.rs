@@ -250,36 +250,7 @@ impl Labeller {
         label: impl FnMut(P, Option<u32>),
     ) {
         // The same instructions, in fewer of them where the processor can.
-        pulp::Arch::new().dispatch(|| self.label_each(points, tally, label));
-    }
-
-    // Into what it is dispatched to.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    fn label_each<P>(
-        &self,
-        points: impl Iterator<Item = (Option<u32>, [f32; 3], P)>,
-        tally: &mut Tally,
-        mut label: impl FnMut(P, Option<u32>),
-    ) {
-        let Tally { counts, beyond } = tally;
-        for (at, (cell, [x, y, z], point)) in points.enumerate() {
-            let Some(cell) = cell.and_then(|cell| self.cells.get(cell as usize)) else {
-                label(point, None);
-                continue;
-            };
-            let plane = if cell.is_near([x, y, z], self.reach) {
-                Some(cell.plane)
-            } else if cell.is_unknown() {
-                None
-            } else {
-                self.label_other(cell, x, y, z, beyond)
-            };
-            if let Some(count) = plane.and_then(|plane| counts.get_mut(plane as usize)) {
-                count[at % LANES] += 1;
-            }
-            label(point, plane);
-        }
+        pulp::Arch::new().dispatch(LabelEach { labeller: self, points, tally, label });
     }
 
     /// The number of the plane that a point is of, if it is not of the only plane near its cell; measures what the sums of the cell do
@@ -329,6 +300,46 @@ impl Labeller {
         // Roundings of the sums of cells may leave a little less than nothing.
         let square = (sums.squares as f64 / (points * per_square)).max(0.0);
         (sums.points > 0).then(|| (mean.to_array(), square.sqrt()))
+    }
+}
+
+/// [`Labeller::label_into`], point by point.
+struct LabelEach<'a, I, L> {
+    labeller: &'a Labeller,
+    points: I,
+    tally: &'a mut Tally,
+    label: L,
+}
+
+impl<P, I, L> pulp::WithSimd for LabelEach<'_, I, L>
+where
+    I: Iterator<Item = (Option<u32>, [f32; 3], P)>,
+    L: FnMut(P, Option<u32>),
+{
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { labeller, points, tally: Tally { counts, beyond }, mut label } = self;
+        for (at, (cell, [x, y, z], point)) in points.enumerate() {
+            let Some(cell) = cell.and_then(|cell| labeller.cells.get(cell as usize)) else {
+                label(point, None);
+                continue;
+            };
+            let plane = if cell.is_near([x, y, z], labeller.reach) {
+                Some(cell.plane)
+            } else if cell.is_unknown() {
+                None
+            } else {
+                labeller.label_other(cell, x, y, z, beyond)
+            };
+            if let Some(count) = plane.and_then(|plane| counts.get_mut(plane as usize)) {
+                count[at % LANES] += 1;
+            }
+            label(point, plane);
+        }
     }
 }
 
