@@ -244,3 +244,30 @@ impl pulp::WithSimd for Union<'_> {
         sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{field, square};
+
+    /// A sheet over the corner of several cubes, and a wall: some of what touches is about another anchor, and some in no window.
+    #[test]
+    fn sums_around_are_those_of_one_addition_after_the_other() {
+        let mut points = square(|x, y| [6.0 * x - 2.0, 6.0 * y - 3.0, 0.3 * x]);
+        points.extend(square(|x, y| [0.1, 6.0 * x - 2.0, 6.0 * y]));
+        let field = field(&points);
+        assert!(field.anchored.0.len() > 3, "{} cubes", field.anchored.0.len());
+        let level = &field.levels[0];
+        let none = |_| None;
+        let each: Vec<Sum> = field.anchored.around_cells(level, &field.cells, |_, sum| sum).collect();
+        for (cell, around) in each.iter().enumerate() {
+            assert_eq!(*around, field.anchored.sum_around(level, &field.cells, cell, none));
+        }
+        let level = &field.levels[1];
+        let own = field.anchored.of_groups(level, &field.cells);
+        for (group, around) in field.anchored.around(level, &field.cells, &own, |sum| sum).iter().enumerate()
+        {
+            assert_eq!(*around, field.anchored.sum_around(level, &field.cells, group, none));
+        }
+    }
+}

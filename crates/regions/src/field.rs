@@ -53,7 +53,7 @@ pub struct Field {
     /// Whether each is as large as a group of the next level, and alone in it; empty where none is.
     wide: Vec<bool>,
     pub(crate) levels: Vec<Level>,
-    anchored: Anchored,
+    pub(crate) anchored: Anchored,
     /// What points of each cell have in common, a part of their errors; empty where they have nothing.
     shared: Vec<SharedNoise>,
     /// By level and group, what the sums of a group and of those it touches tell of the plane through them; while regions grow.

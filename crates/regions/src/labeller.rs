@@ -254,8 +254,10 @@ impl Labeller {
     }
 
     /// The number of the plane that a point is of, if it is not of the only plane near its cell; measures what the sums of the cell do
-    /// not tell. Few points need it. Coordinates are handed over in registers: what waits for them to be written waits long.
-    #[inline(never)]
+    /// not tell. Few points need it.
+    // Into what `LabelEach` is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     fn label_other(&self, cell: &Place, x: f32, y: f32, z: f32, beyond: &mut [Total]) -> Option<u32> {
         let found = self.of_mixed(cell, [x, y, z]);
         let plane = found.unwrap_or(NONE);
