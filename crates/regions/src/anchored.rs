@@ -215,7 +215,9 @@ impl<'s, K: Fn(usize) -> Option<&'s Sum>> pulp::WithSimd for Around<'_, K> {
         match (kept(group), all.get(..count)) {
             (Some(own), Some(all)) if count == near.len() => {
                 let mut sum = *own;
-                all.iter().for_each(|near| sum.add(near));
+                for near in all {
+                    sum.add(near);
+                }
                 sum
             }
             _ => anchored.sum_around(level, cells, group, kept),

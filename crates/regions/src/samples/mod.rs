@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::SampleError;
 use stripe::{MOST, MOST_HALVINGS, Stripe};
-use units::{Packed, Unit, scrambled};
+use units::{Packed, Unit, endures};
 
 pub use sample::Sample;
 pub use together::{PartOf, Together};
@@ -58,7 +58,7 @@ impl Samples {
     pub fn push(&mut self, cell: u32, place: [f32; 3]) {
         let packed = self.unit.packed(place);
         let (stripe, at) = home(cell);
-        self.stripes[stripe].push(at, packed, scrambled(self.unit.unpacked(packed)), self.unit);
+        self.stripes[stripe].push(at, packed, endures(self.unit.unpacked(packed)), self.unit);
     }
 
     /// Appends places as they are kept: in whole units, each of 16 bits.
@@ -129,7 +129,7 @@ impl Samples {
             if place.iter().all(|x| x.is_finite()) && !same {
                 return Err(SampleError::Unit { place, unit: self.unit.metres() });
             }
-            if !same || scrambled(kept) > u32::MAX >> halvings {
+            if !same || endures(kept) < halvings {
                 return Err(SampleError::Place { place, halvings });
             }
         }
@@ -149,7 +149,7 @@ impl Samples {
         let (from, there) = home(cell);
         let Some(halvings) = self.stripes[from].halvings(there) else { return };
         for place in self.of(cell) {
-            stripe.push(at, self.unit.packed(place), scrambled(place), self.unit);
+            stripe.push(at, self.unit.packed(place), endures(place), self.unit);
         }
         // What was left out of it is left out of the whole.
         stripe.halve(at, halvings, self.unit);
@@ -170,28 +170,29 @@ fn push(
     cells: impl Fn(usize) -> Option<u32>,
     places: &[Packed],
 ) {
-    let (mut scrambled, mut taken) = ([0; BATCH], [(0, 0); BATCH]);
+    let (mut endure, mut taken) = ([0; BATCH], [(0, 0); BATCH]);
     for (number, places) in places.chunks(BATCH).enumerate() {
-        unit.scramble_some(places, &mut scrambled);
+        unit.endure_some(places, &mut endure);
         // Whether a place stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
         // is little and near.
         let mut count = 0;
-        for (at, scrambled) in (0_u32..).zip(&scrambled[..places.len()]) {
+        for (at, endures) in (0_u32..).zip(&endure[..places.len()]) {
             let Some(cell) = cells(number * BATCH + at as usize) else { continue };
             let (stripe, home) = home(cell);
             let stripe = stripe.wrapping_sub(first);
             taken[count] = (at, cell);
-            count += usize::from(stripes.get(stripe).is_some_and(|stripe| stripe.takes(home, *scrambled)));
+            count += usize::from(stripes.get(stripe).is_some_and(|stripe| stripe.takes(home, *endures)));
         }
         for (at, cell) in &taken[..count] {
             let (at, (stripe, home)) = (*at as usize, home(*cell));
-            stripes[stripe - first].push(home, places[at], scrambled[at], unit);
+            stripes[stripe - first].push(home, places[at], endure[at], unit);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::units::scrambled;
     use super::*;
     use proptest::prelude::*;
 

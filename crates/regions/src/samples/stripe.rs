@@ -44,27 +44,21 @@ struct Kept {
 
 pub(super) type More = [Packed; ROOM - FEW];
 
-/// Scrambled places up to here are in a sample that was halved so often.
-#[inline]
-fn threshold(halvings: u8) -> u32 {
-    u32::MAX >> halvings
-}
-
 impl Stripe {
     /// Whether a place would be in the sample of a cell now; one that would not never will be.
     #[inline]
-    pub(super) fn takes(&self, at: usize, scrambled: u32) -> bool {
-        scrambled <= threshold(self.halvings.get(at).copied().unwrap_or(0))
+    pub(super) fn takes(&self, at: usize, endures: u8) -> bool {
+        endures >= self.halvings.get(at).copied().unwrap_or(0)
     }
 
     #[inline]
-    pub(super) fn push(&mut self, at: usize, place: Packed, scrambled: u32, unit: Unit) {
+    pub(super) fn push(&mut self, at: usize, place: Packed, endures: u8, unit: Unit) {
         let cell = self.cells.get_mut(at / PAGE).map(|page| &mut page[at % PAGE]);
         let (Some(kept), Some(halvings)) = (cell, self.halvings.get_mut(at)) else {
-            return self.push_anew(at, place, scrambled, unit);
+            return self.push_anew(at, place, endures, unit);
         };
         // Whether a place stays cannot be predicted while a cell fills: there is no branch.
-        let stays = scrambled <= threshold(*halvings);
+        let stays = endures >= *halvings;
         let (before, after) = (kept.count(), kept.count + u16::from(stays));
         if let Some(free) = kept.few.get_mut(before) {
             *free = place;
@@ -74,7 +68,7 @@ impl Stripe {
         let more = kept.more as usize;
         let Some(more) = self.more.get_mut(more / PAGE).map(|page| &mut page[more % PAGE]) else {
             if stays {
-                self.push_anew(at, place, scrambled, unit);
+                self.push_anew(at, place, endures, unit);
             }
             return;
         };
@@ -90,11 +84,11 @@ impl Stripe {
     /// As [`push`](Self::push), where there is no room yet.
     #[cold]
     #[inline(never)]
-    fn push_anew(&mut self, at: usize, place: Packed, scrambled: u32, unit: Unit) {
+    fn push_anew(&mut self, at: usize, place: Packed, endures: u8, unit: Unit) {
         if self.get_or_new(at).count() >= FEW {
             self.more_of(at);
         }
-        self.push(at, place, scrambled, unit);
+        self.push(at, place, endures, unit);
     }
 
     /// How often the sample of a cell was halved, if there ever was one.
@@ -185,13 +179,13 @@ impl Kept {
 
     fn halve(&mut self, halvings: &mut u8, more: &mut More, unit: Unit) {
         *halvings += 1;
-        let (threshold, few, others) = (threshold(*halvings), unit.scramble(&self.few), unit.scramble(more));
+        let (few, others) = (unit.endure(&self.few), unit.endure(more));
         // Into other memory, and back at once: what was just written in pieces is waited for when it is read as a whole.
         let (mut kept, mut count) = ([[0; 3]; ROOM + 1], 0);
         let all = self.few.iter().zip(&few).chain(more.iter().zip(&others));
-        all.take(self.count()).for_each(|(place, scrambled)| {
+        all.take(self.count()).for_each(|(place, endures)| {
             kept[count] = *place;
-            count += usize::from(*scrambled <= threshold);
+            count += usize::from(*endures >= *halvings);
         });
         self.few.copy_from_slice(&kept[..FEW]);
         more.copy_from_slice(&kept[FEW..ROOM]);

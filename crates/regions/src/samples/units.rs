@@ -73,17 +73,28 @@ impl Unit {
         }
     }
 
-    /// As [`scramble`](Self::scramble), so many as there are.
-    pub(super) fn scramble_some(self, packed: &[Packed], to: &mut [u32]) {
+    /// As [`endure`](Self::endure), so many as there are.
+    pub(super) fn endure_some(self, packed: &[Packed], to: &mut [u8]) {
         pulp::Arch::new().dispatch(|| {
-            to.iter_mut().zip(packed).for_each(|(to, packed)| *to = scrambled(self.unpacked(*packed)));
+            to.iter_mut().zip(packed).for_each(|(to, packed)| *to = endures(self.unpacked(*packed)));
         });
     }
 
-    /// Scrambles places, several at a time.
-    pub(super) fn scramble<const N: usize>(self, packed: &[Packed; N]) -> [u32; N] {
-        pulp::Arch::new().dispatch(|| packed.map(|packed| scrambled(self.unpacked(packed))))
+    /// How many halvings places [endure](endures), several at a time.
+    pub(super) fn endure<const N: usize>(self, packed: &[Packed; N]) -> [u8; N] {
+        pulp::Arch::new().dispatch(|| packed.map(|packed| endures(self.unpacked(packed))))
     }
+}
+
+/// How often the threshold can be halved, from 2³² on, before the scrambled place is no longer below it.
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+pub(super) fn endures(place: [f32; 3]) -> u8 {
+    // No number has more than 32 bits.
+    #[allow(clippy::cast_possible_truncation)]
+    let halvings = scrambled(place).leading_zeros() as u8;
+    halvings
 }
 
 /// A number that looks drawn at random, and is the same for the same place.
@@ -122,17 +133,17 @@ mod tests {
             let unit = Unit::new(unit);
             let (mut all, mut some) = (vec![[7; 3]], [0; 40]);
             unit.pack(&places, &mut all);
-            unit.scramble_some(&all[1..], &mut some);
+            unit.endure_some(&all[1..], &mut some);
             let mut fixed = [[0; 3]; 40];
             fixed[..places.len()].copy_from_slice(&all[1..]);
-            let again = unit.scramble(&fixed);
+            let again = unit.endure(&fixed);
             for (at, place) in places.iter().enumerate() {
                 let packed = unit.packed(*place);
                 prop_assert_eq!(all[at + 1], packed);
                 let near = unit.unpacked(packed);
                 prop_assert_eq!(unit.packed(near), packed);
-                prop_assert_eq!(some[at], scrambled(near));
-                prop_assert_eq!(again[at], scrambled(near));
+                prop_assert_eq!(some[at], endures(near));
+                prop_assert_eq!(again[at], endures(near));
                 for (x, near) in place.iter().zip(near) {
                     // A unit that is no power of two is rounded itself.
                     prop_assert!((x - near).abs() <= 0.51 * unit.metres());
