@@ -3,19 +3,10 @@
 /// No group.
 const NONE: u32 = u32::MAX;
 
-/// Where the 26 neighbours of a place are, from there.
-const BESIDE: [i32; 26] = {
-    let mut beside = [0; 26];
-    let (mut step, mut count) = (0, 0);
-    while step < 27 {
-        if step != 13 {
-            beside[count] = 16 * (step / 9 - 1) + 4 * (step / 3 % 3 - 1) + step % 3 - 1;
-            count += 1;
-        }
-        step += 1;
-    }
-    beside
-};
+/// The 26 neighbours of the place one step from the first along each axis, as bits by their numbers.
+const AROUND: u64 = 0x777 << 32 | 0x757 << 16 | 0x777;
+/// The number of that place.
+const FIRST: u32 = 16 + 4 + 1;
 
 /// The 4 × 4 × 4 places of the children of a group and of those around them, with what is there.
 pub(crate) struct Places {
@@ -23,6 +14,8 @@ pub(crate) struct Places {
     from: [u32; 3],
     /// The last is for what is in none of them.
     children: [u32; 65],
+    /// Which of them hold something, as bits.
+    taken: u64,
     /// All that are in one of them, each once; where some may be wide.
     found: [u32; 65],
     count: usize,
@@ -34,7 +27,7 @@ impl Places {
     /// The places around the children of a group.
     pub(crate) fn around(parent: [u32; 3]) -> Self {
         let from = parent.map(|k| (k << 1).wrapping_sub(1));
-        Self { from, children: [NONE; 65], found: [NONE; 65], count: 0, some_wide: false }
+        Self { from, children: [NONE; 65], taken: 0, found: [NONE; 65], count: 0, some_wide: false }
     }
 
     /// Puts a child of the group, or of one that it touches, where it is, if none of all is wide.
@@ -74,13 +67,13 @@ impl Places {
             return;
         }
         let [x, y, z] = self.place(key);
-        let at = 16 * x + 4 * y + z;
-        // Which are there cannot be predicted: all are written, and those that are not written over.
-        let (mut found, mut count) = ([NONE; 27], 0);
-        for step in BESIDE {
-            let other = self.children[at.wrapping_add_signed(step) as usize & 63];
-            found[count] = other;
-            count += usize::from(other != NONE);
+        // Children are in the middle, so that all around is there.
+        let mut around = self.taken & AROUND << (16 * x + 4 * y + z - FIRST);
+        let (mut found, mut count) = ([NONE; 26], 0);
+        while around != 0 {
+            found[count] = self.children[around.trailing_zeros() as usize];
+            count += 1;
+            around &= around - 1;
         }
         if !self.some_wide {
             to.extend_from_slice(&found[..count]);
@@ -101,7 +94,9 @@ impl Places {
     /// Whether the place is one of them.
     fn set(&mut self, [x, y, z]: [u32; 3], child: u32) -> bool {
         let is_in = x | y | z < 4;
-        self.children[if is_in { 16 * x + 4 * y + z } else { 64 } as usize] = child;
+        let at = if is_in { 16 * x + 4 * y + z } else { 64 };
+        self.children[at as usize] = child;
+        self.taken |= u64::from(is_in) << (at % 64);
         is_in
     }
 }
