@@ -41,6 +41,9 @@ impl UncertainNormal {
 /// A cell closer to the axis of a tilt than this share of the extent is on it: which side is rounding.
 const ON_AXIS: f64 = 1e-9;
 
+/// Components of a normal, and one more.
+const LANES: usize = 4;
+
 /// The normal of a neighbourhood of cells, with its min-max uncertainty. Allocates nothing; the cells are walked
 /// through a few times.
 ///
@@ -75,21 +78,42 @@ pub fn estimate<'c, C: Summarised + 'c>(
         }
         FitTo::Points => fit_union(cells.clone(), &centres)?,
     };
-    let mut tilts = Tilts::of(&fit);
-    for cell in cells {
-        if cell.weight().is_nan() {
-            return Err(Degenerate::NotFinite);
+    let tilted = pulp::Arch::new().dispatch(Tilted { cells, fit: &fit, weight, to });
+    Ok(UncertainNormal { fit, uncertainty: tilted?.largest_change()?.to_array() })
+}
+
+/// What the perturbations of the centres of cells do, several components of the normal at a time.
+struct Tilted<'f, I> {
+    cells: I,
+    fit: &'f PlaneFit,
+    weight: f64,
+    to: FitTo,
+}
+
+impl<'c, C: Summarised + 'c, I: Iterator<Item = &'c C>> pulp::WithSimd for Tilted<'_, I> {
+    type Output = Result<Tilts, Degenerate>;
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Self { cells, fit, weight, to } = self;
+        let mut tilts = Tilts::of(fit);
+        for cell in cells {
+            if cell.weight().is_nan() {
+                return Err(Degenerate::NotFinite);
+            }
+            let (Some(centre), Some(covariance)) = (cell.mean(), cell.covariance_of_mean()) else { continue };
+            // Checked here because the larger of a NaN and 0 is 0: a cell without known error would count as certain.
+            if !covariance.is_finite() {
+                return Err(Degenerate::NotFinite);
+            }
+            let share = if to == FitTo::Centres { 1.0 } else { cell.weight() } / weight;
+            let delta = covariance.quadratic_form(fit.normal).max(0.0).sqrt();
+            tilts.add(DVec3::from_array(centre) - DVec3::from_array(fit.centroid), delta, share);
         }
-        let (Some(centre), Some(covariance)) = (cell.mean(), cell.covariance_of_mean()) else { continue };
-        // Checked here because the larger of a NaN and 0 is 0: a cell without known error would count as certain.
-        if !covariance.is_finite() {
-            return Err(Degenerate::NotFinite);
-        }
-        let share = if to == FitTo::Centres { 1.0 } else { cell.weight() } / weight;
-        let delta = covariance.quadratic_form(fit.normal).max(0.0).sqrt();
-        tilts.add(DVec3::from_array(centre) - DVec3::from_array(fit.centroid), delta, share);
+        Ok(tilts)
     }
-    Ok(UncertainNormal { fit, uncertainty: tilts.largest_change()?.to_array() })
 }
 
 /// The plane through all points of the cells, and their weight.
@@ -120,13 +144,15 @@ struct Tilts {
     axes: [DVec3; 3],
     variances: [f64; 3],
     rounding: f64,
-    /// The direction gⱼ of each component of the normal, times (λ₁ − λ₀)(λ₂ − λ₀), which changes no sign and divides by
-    /// nothing.
-    directions: [DVec3; 3],
+    /// By component of the normal, and one that is nothing, so that they fill a vector: its direction gⱼ along e₁ and e₂, times
+    /// (λ₁ − λ₀)(λ₂ − λ₀), which changes no sign and divides by nothing.
+    directions: [[f64; LANES]; 2],
     /// Below this the product with a direction is rounding.
     on_axis: f64,
-    /// `Σ w t (c − mean)`, `Σ w t` and `Σ w t²` for each component.
-    sums: [(DVec3, f64, f64); 3],
+    /// `Σ w t (c − mean)` along each axis, `Σ w t` and `Σ w t²`, by component.
+    pull: [[f64; LANES]; 3],
+    mean: [f64; LANES],
+    square: [f64; LANES],
 }
 
 impl Tilts {
@@ -138,22 +164,30 @@ impl Tilts {
             axes: [first, second, fit.normal].map(DVec3::from_array),
             variances: [along, across, thickness],
             rounding: rounding(fit.centroid),
-            directions: [0, 1, 2].map(|j| DVec3::new(first[j] * across_over, second[j] * along_over, 0.0)),
+            directions: [first.map(|x| x * across_over), second.map(|x| x * along_over)]
+                .map(|[x, y, z]| [x, y, z, 0.0]),
             on_axis: ON_AXIS * along_over * along.sqrt(),
-            sums: [(DVec3::ZERO, 0.0, 0.0); 3],
+            pull: [[0.0; LANES]; 3],
+            mean: [0.0; LANES],
+            square: [0.0; LANES],
         }
     }
 
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     fn add(&mut self, from_centroid: DVec3, delta: f64, share: f64) {
-        let place = DVec3::from_array(self.axes.map(|axis| axis.dot(from_centroid)));
-        for (direction, (pull, mean, square)) in self.directions.iter().zip(&mut self.sums) {
-            let arm = direction.dot(place);
-            if arm.abs() > self.on_axis {
-                let moved = share * delta.copysign(arm);
-                *pull += place * moved;
-                *mean += moved;
-                *square += share * delta * delta;
+        let place = self.axes.map(|axis| axis.dot(from_centroid));
+        let ([first, second], step) = (self.directions, share * delta);
+        let arms: [f64; LANES] = std::array::from_fn(|j| first[j] * place[0] + second[j] * place[1]);
+        let steps = arms.map(|arm| if arm.abs() > self.on_axis { step } else { 0.0 });
+        for j in 0..LANES {
+            let moved = steps[j].copysign(arms[j]);
+            for (pull, place) in self.pull.iter_mut().zip(place) {
+                pull[j] += place * moved;
             }
+            self.mean[j] += moved;
+            self.square[j] += steps[j] * delta;
         }
     }
 
@@ -161,8 +195,13 @@ impl Tilts {
         let [along, across, thickness] = self.variances;
         let moved = |signed: usize| {
             // As many as fill a vector: the last are nothing, and done at once.
-            let Some((pull, mean, square)) = self.sums.get(signed / 2) else { return SymmetricMatrix3::ZERO };
-            let pull = if signed.is_multiple_of(2) { *pull } else { -*pull };
+            let component = signed / 2;
+            if component >= 3 {
+                return SymmetricMatrix3::ZERO;
+            }
+            let (mean, square) = (self.mean[component], self.square[component]);
+            let pull = DVec3::from(self.pull.map(|pull| pull[component]));
+            let pull = if signed.is_multiple_of(2) { pull } else { -pull };
             let thickness = thickness + 2.0 * pull.z + square - mean * mean;
             SymmetricMatrix3([along, 0.0, pull.x, across, pull.y, thickness])
         };
