@@ -249,7 +249,7 @@ impl Labeller {
         tally: &mut Tally,
         label: impl FnMut(P, Option<u32>),
     ) {
-        // The same instructions, in fewer of them where the processor can.
+        // The same operations, in fewer instructions where the processor can.
         pulp::Arch::new().dispatch(LabelEach { labeller: self, points, tally, label });
     }
 
