@@ -194,11 +194,8 @@ impl Tilts {
     fn largest_change(&self) -> Result<DVec3, Degenerate> {
         let [along, across, thickness] = self.variances;
         let moved = |signed: usize| {
-            // As many as fill a vector: the last are nothing, and done at once.
+            // As many as fill a vector: the last are not perturbed, and done at once.
             let component = signed / 2;
-            if component >= 3 {
-                return SymmetricMatrix3::ZERO;
-            }
             let (mean, square) = (self.mean[component], self.square[component]);
             let pull = DVec3::from(self.pull.map(|pull| pull[component]));
             let pull = if signed.is_multiple_of(2) { pull } else { -pull };
@@ -206,7 +203,7 @@ impl Tilts {
             SymmetricMatrix3([along, 0.0, pull.x, across, pull.y, thickness])
         };
         let mut largest = DVec3::ZERO;
-        for eigen in symmetric_eigen_batch::<8>(&std::array::from_fn(moved)).into_iter().take(6) {
+        for eigen in symmetric_eigen_batch::<{ 2 * LANES }>(&std::array::from_fn(moved)).into_iter().take(6) {
             determined(eigen.values, self.rounding)?;
             let [x, y, z] = eigen.vectors[0];
             let [x, y] = if z < 0.0 { [-x, -y] } else { [x, y] };

@@ -258,7 +258,8 @@ mod tests {
         let mut points = square(|x, y| [6.0 * x - 2.0, 6.0 * y - 3.0, 0.3 * x]);
         points.extend(square(|x, y| [0.1, 6.0 * x - 2.0, 6.0 * y]));
         let field = field(&points);
-        assert!(field.anchored.0.len() > 3, "{} cubes", field.anchored.0.len());
+        let (cells, cubes) = (field.cells.len(), field.anchored.0.len());
+        assert!(cells > WINDOW && cubes > 3, "{cells} cells in {cubes} cubes");
         let level = &field.levels[0];
         let none = |_| None;
         let each: Vec<Sum> = field.anchored.around_cells(level, &field.cells, |_, sum| sum).collect();

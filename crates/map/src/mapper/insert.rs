@@ -122,8 +122,9 @@ impl Mapper {
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
         let alone = rayon::current_num_threads() == 1;
-        let (at_once, in_order) =
-            (if alone { ALONE } else { AT_ONCE }, alone && grid.are_in_order(scan.points()));
+        let at_once = if alone { ALONE } else { AT_ONCE };
+        // Looked at once for the scan, not again for each part of it.
+        let in_order = alone && grid.are_in_order(scan.points());
         let (mut world, mut places) = (World::default(), Vec::new());
         for first in (0..scan.len()).step_by(at_once) {
             let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
