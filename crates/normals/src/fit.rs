@@ -8,6 +8,9 @@ use crate::{Degenerate, Eigen3, symmetric_eigen};
 /// Rounding alone would be 1e-16; but a plane that rests on so narrow a strip may turn about it at the slightest error.
 const COLLINEAR: f64 = 1e-4;
 
+/// Beyond the rounding of bounds.
+const CERTAINLY: f64 = 1.0 + 1e-6;
+
 /// Standard deviations below this share of the coordinates' size are rounding of the coordinates.
 const COINCIDENT: f64 = 1e-12;
 
@@ -139,4 +142,10 @@ pub(crate) fn determined([_, across, along]: [f64; 3], rounding: f64) -> Result<
         return Err(Degenerate::Collinear { across, along });
     }
     Ok(())
+}
+
+/// Whether all variances are those of a plane whose middle one is no less, and whose largest one no more; false where only they
+/// themselves tell, and for what is not finite.
+pub(crate) fn are_determined(across: f64, along: f64, rounding: f64) -> bool {
+    across > CERTAINLY * COLLINEAR * along + rounding
 }

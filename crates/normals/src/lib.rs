@@ -51,6 +51,7 @@
 //! A neighbourhood that determines no plane gives [`Degenerate`] with the reason, never an invented normal. Nothing
 //! panics; input that is not finite is [`Degenerate::NotFinite`].
 
+mod arrow;
 mod bounds;
 mod covariant;
 mod degenerate;

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use terrace_stats::{SymmetricMatrix3, UncertainVector};
 
-use crate::fit::{Spread, determined, rounding};
-use crate::{Degenerate, PlaneFit, Summarised, symmetric_eigen, symmetric_eigen_batch};
+use crate::arrow::Arrows;
+use crate::fit::{Spread, are_determined, determined, rounding};
+use crate::{Degenerate, EigenvalueBounds, PlaneFit, Summarised, symmetric_eigen};
 
 /// What the plane of a neighbourhood is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,8 +79,8 @@ pub fn estimate<'c, C: Summarised + 'c>(
         }
         FitTo::Points => fit_union(cells.clone(), &centres)?,
     };
-    let tilted = pulp::Arch::new().dispatch(Tilted { cells, fit: &fit, weight, to });
-    Ok(UncertainNormal { fit, uncertainty: tilted?.largest_change()?.to_array() })
+    let tilted = pulp::Arch::new().dispatch(Tilted { cells, fit: &fit, weight, to, tilts: Tilts::of(&fit) });
+    Ok(UncertainNormal { fit, uncertainty: tilted?.to_array() })
 }
 
 /// What the perturbations of the centres of cells do, several components of the normal at a time.
@@ -88,17 +89,17 @@ struct Tilted<'f, I> {
     fit: &'f PlaneFit,
     weight: f64,
     to: FitTo,
+    tilts: Tilts,
 }
 
 impl<'c, C: Summarised + 'c, I: Iterator<Item = &'c C>> pulp::WithSimd for Tilted<'_, I> {
-    type Output = Result<Tilts, Degenerate>;
+    type Output = Result<DVec3, Degenerate>;
 
     // Into what it is dispatched to.
     #[allow(clippy::inline_always)]
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        let Self { cells, fit, weight, to } = self;
-        let mut tilts = Tilts::of(fit);
+        let Self { cells, fit, weight, to, mut tilts } = self;
         for cell in cells {
             if cell.weight().is_nan() {
                 return Err(Degenerate::NotFinite);
@@ -112,7 +113,7 @@ impl<'c, C: Summarised + 'c, I: Iterator<Item = &'c C>> pulp::WithSimd for Tilte
             let delta = covariance.quadratic_form(fit.normal).max(0.0).sqrt();
             tilts.add(DVec3::from_array(centre) - DVec3::from_array(fit.centroid), delta, share);
         }
-        Ok(tilts)
+        tilts.largest_change()
     }
 }
 
@@ -132,11 +133,13 @@ fn fit_union<'c, C: Summarised + 'c>(
     }
     let mean = sum / weight;
     let covariance = scatter * (1.0 / weight) + SymmetricMatrix3::outer(mean.to_array()) * -1.0;
-    // Side by side the two cost hardly more than one.
-    let [of_centres, of_points] = symmetric_eigen_batch(&[centres.covariance, covariance]);
-    determined(of_centres.values, rounding(centres.centroid))?;
+    let bounds = EigenvalueBounds::of(&centres.covariance);
+    let [across, trace] = [bounds.middle[0], centres.covariance.trace()];
+    if !are_determined(across, trace - across, rounding(centres.centroid)) {
+        determined(symmetric_eigen(&centres.covariance).values, rounding(centres.centroid))?;
+    }
     let centroid = (origin + mean).to_array();
-    Ok((PlaneFit::of(&of_points, centroid, rounding(centroid))?, weight))
+    Ok((PlaneFit::of(&symmetric_eigen(&covariance), centroid, rounding(centroid))?, weight))
 }
 
 /// What the perturbations do to the covariance, in the frame of the plane: e₁, e₂, n.
@@ -191,26 +194,45 @@ impl Tilts {
         }
     }
 
+    /// The largest change of each component of the normal.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     fn largest_change(&self) -> Result<DVec3, Degenerate> {
         let [along, across, thickness] = self.variances;
-        let moved = |signed: usize| {
-            // As many as fill a vector: the last are not perturbed, and done at once.
-            let component = signed / 2;
-            let (mean, square) = (self.mean[component], self.square[component]);
-            let pull = DVec3::from(self.pull.map(|pull| pull[component]));
-            let pull = if signed.is_multiple_of(2) { pull } else { -pull };
-            let thickness = thickness + 2.0 * pull.z + square - mean * mean;
-            SymmetricMatrix3([along, 0.0, pull.x, across, pull.y, thickness])
+        // To and fro; the last of each is not perturbed.
+        let signed = |of: [f64; LANES], back: f64| -> [f64; 2 * LANES] {
+            std::array::from_fn(|lane| if lane < LANES { of[lane] } else { back * of[lane - LANES] })
         };
+        let [first, second, off] = self.pull.map(|pull| signed(pull, -1.0));
+        let variance: [f64; LANES] = std::array::from_fn(|j| self.square[j] - self.mean[j] * self.mean[j]);
+        let variance = signed(variance, 1.0);
+        let tip = std::array::from_fn(|lane| thickness + 2.0 * off[lane] + variance[lane]);
+        let arrows = Arrows { shaft: [along, across], barbs: [first, second], tip };
+        let least = arrows.least();
         let mut largest = DVec3::ZERO;
-        for eigen in symmetric_eigen_batch::<{ 2 * LANES }>(&std::array::from_fn(moved)).into_iter().take(6) {
-            determined(eigen.values, self.rounding)?;
-            let [x, y, z] = eigen.vectors[0];
-            let [x, y] = if z < 0.0 { [-x, -y] } else { [x, y] };
+        for lane in (0..2 * LANES).filter(|lane| lane % LANES < 3) {
+            // The middle eigenvalue is no less than that of the plane itself, and all three have the sum of the diagonal.
+            let most = along + tip[lane] - least.value[lane];
+            let sure = least.is_found[lane] && are_determined(across, most, self.rounding);
+            let [x, y, z] = if sure {
+                least.vector.map(|x| x[lane])
+            } else {
+                solved(arrows.matrix(lane), self.rounding)?
+            };
             // z − 1 without subtracting nearly equal numbers.
-            let shrunk = -(x * x + y * y) / (1.0 + z.abs());
+            let shrunk = -(x * x + y * y) / (1.0 + z);
             largest = largest.max((self.axes[0] * x + self.axes[1] * y + self.axes[2] * shrunk).abs());
         }
         Ok(largest)
     }
+}
+
+/// The least eigenvector where only the solver tells it; the last component is not negative.
+#[cold]
+fn solved(covariance: SymmetricMatrix3, rounding: f64) -> Result<[f64; 3], Degenerate> {
+    let eigen = symmetric_eigen(&covariance);
+    determined(eigen.values, rounding)?;
+    let normal = eigen.vectors[0];
+    Ok(if normal[2] < 0.0 { normal.map(|x| -x) } else { normal })
 }

@@ -147,6 +147,24 @@ proptest! {
         }
     }
 
+    /// Errors that make the points thicker than they are wide leave the normal to the solver.
+    #[test]
+    fn as_the_plain_way_with_errors_larger_than_the_patch(cells in neighbourhood(1..9, 0.03, 0.5)) {
+        for to in BOTH {
+            match (estimate(&cells, to), plain(&cells, to)) {
+                (Ok(fast), Ok(plain)) => {
+                    let gap = plain.fit.variances[1] - plain.fit.variances[0];
+                    prop_assume!(gap > 0.1 * plain.fit.variances[1]);
+                    for k in 0..3 {
+                        let apart = (fast.uncertainty[k] - plain.uncertainty[k]).abs();
+                        prop_assert!(apart < 1e-6, "{to:?} {fast:?} {plain:?}");
+                    }
+                }
+                (fast, plain) => prop_assert_eq!(fast.is_err(), plain.is_err()),
+            }
+        }
+    }
+
     /// The change of a component is never above its uncertainty by more than terms of second order, here 3 % for errors
     /// below 0.2 % of the extent; and the worst of all ways comes as near from below.
     #[test]
