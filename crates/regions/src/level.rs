@@ -178,7 +178,7 @@ pub(crate) fn along_curve(cells: usize, key: impl Fn(usize) -> [i32; 3]) -> (Vec
     } else {
         let mut order: Vec<(u64, u32)> = keys.iter().map(|key| interleaved(*key)).zip(0..).collect();
         if !order.is_sorted() {
-            order.sort_unstable();
+            radsort::sort_by_key(&mut order, |(code, _)| *code);
         }
         order.into_iter().map(|(_, at)| at).collect()
     };

@@ -258,7 +258,7 @@ impl Grown {
         };
         let shares = || {
             let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
-            shares.sort_unstable_by_key(|share| (share.cell, share.region));
+            radsort::sort_by_key(&mut shares, |share| (share.cell, share.region));
             shares
         };
         let plane =

@@ -171,7 +171,7 @@ impl<'m> Fine<'m> {
     pub(crate) fn planes_of_cells(&self, found: &Found) -> Vec<Option<PlaneId>> {
         let mut shares: Vec<(CellId, u32, u64)> =
             found.shares.iter().map(|s| (self.of[s.cell as usize], s.region, u64::from(s.points))).collect();
-        shares.sort_unstable();
+        radsort::sort_by_key(&mut shares, |(cell, region, _)| (cell.index(), *region));
         shares.dedup_by(|next, first| {
             let same = (next.0, next.1) == (first.0, first.1);
             first.2 += if same { next.2 } else { 0 };
