@@ -42,37 +42,71 @@ impl EigenvalueBounds {
     /// passed. The other two have a known sum and product then.
     #[inline]
     pub fn of(covariance: &SymmetricMatrix3) -> Self {
-        let [trace, minors, determinant] = covariance.invariants();
-        let at = |x: f64| ((x - trace) * x + minors) * x - determinant;
-        let slope = |x: f64| (3.0 * x - 2.0 * trace) * x + minors;
-        let mut root = (determinant / minors).max(0.0);
-        for _ in 0..STEPS {
-            root -= at(root) / slope(root);
+        let [bounds] = Self::of_all(&[*covariance]);
+        bounds
+    }
+
+    /// [`of`](Self::of) `N` covariances side by side, the same to the last bit: to be inlined into what is compiled for vectors of `N`
+    /// numbers, which does them all in the time of one.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    pub fn of_all<const N: usize>(covariances: &[SymmetricMatrix3; N]) -> [Self; N] {
+        let (mut trace, mut minors, mut determinant) = ([0.0; N], [0.0; N], [0.0; N]);
+        for lane in 0..N {
+            [trace[lane], minors[lane], determinant[lane]] = covariances[lane].invariants();
         }
-        let slack = ROUNDING * trace;
+        let at = |lane: usize, x: f64| ((x - trace[lane]) * x + minors[lane]) * x - determinant[lane];
+        let slope = |lane: usize, x: f64| (3.0 * x - 2.0 * trace[lane]) * x + minors[lane];
+        let (mut root, mut high, mut passed) = ([0.0; N], [0.0; N], [false; N]);
         // Of what rounding leaves of numbers of this size it is far more.
-        let is_passed = |high: f64| high < trace / 3.0 && at(high) > slack * slack * trace;
-        let mut high = root * CLOSE + slack;
+        let is_passed = |lane: usize, high: f64, slack: f64| {
+            (high < trace[lane] / 3.0) & (at(lane, high) > slack * slack * trace[lane])
+        };
+        for lane in 0..N {
+            let mut x = (determinant[lane] / minors[lane]).max(0.0);
+            for _ in 0..STEPS {
+                x -= at(lane, x) / slope(lane, x);
+            }
+            let slack = ROUNDING * trace[lane];
+            (root[lane], high[lane]) = (x, x * CLOSE + slack);
+            passed[lane] = is_passed(lane, high[lane], slack);
+        }
         // What is thick takes longer.
         for _ in STEPS..MOST_STEPS {
-            if is_passed(high) {
+            if passed.iter().all(|passed| *passed) {
                 break;
             }
-            root -= at(root) / slope(root);
-            high = root * CLOSE + slack;
+            for lane in 0..N {
+                let (x, slack) = (root[lane], ROUNDING * trace[lane]);
+                let next = x - at(lane, x) / slope(lane, x);
+                root[lane] = if passed[lane] { x } else { next };
+                high[lane] = root[lane] * CLOSE + slack;
+                passed[lane] = is_passed(lane, high[lane], slack);
+            }
         }
-        let (low, passed) = ((root - slack).max(0.0), is_passed(high));
-        let wide = minors - high * (trace - high) > NARROW * trace * trace;
-        if !(passed && wide) {
-            return Self { least: [0.0, trace], middle: [0.0, 0.5 * trace], most: trace / 3.0 };
+        let (mut least, mut middle, mut most) = ([[0.0; N]; 2], [[0.0; N]; 2], [0.0; N]);
+        for lane in 0..N {
+            let (trace, minors, high) = (trace[lane], minors[lane], high[lane]);
+            let low = (root[lane] - ROUNDING * trace).max(0.0);
+            let wide = minors - high * (trace - high) > NARROW * trace * trace;
+            let smaller =
+                |sum: f64, product: f64| 2.0 * product / (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
+            // Sum and product of the other two fall as the least rises; the smaller of them rises with the product and falls with the sum.
+            let (sums, products) =
+                ([high, low].map(|x| trace - x), [high, low].map(|x| minors - x * (trace - x)));
+            let between = [smaller(sums[1], products[0]), smaller(sums[0], products[1]).min(0.5 * sums[1])];
+            let known = passed[lane] & wide;
+            let or = |known_so: f64, otherwise: f64| if known { known_so } else { otherwise };
+            (least[0][lane], least[1][lane]) = (or(low, 0.0), or(high, trace));
+            (middle[0][lane], middle[1][lane]) = (or(between[0], 0.0), or(between[1], 0.5 * trace));
+            most[lane] = or(sums[0] - between[1], trace / 3.0);
         }
-        let smaller =
-            |sum: f64, product: f64| 2.0 * product / (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
-        // Sum and product of the other two fall as the least rises; the smaller of them rises with the product and falls with the sum.
-        let (sums, products) =
-            ([high, low].map(|x| trace - x), [high, low].map(|x| minors - x * (trace - x)));
-        let middle = [smaller(sums[1], products[0]), smaller(sums[0], products[1]).min(0.5 * sums[1])];
-        Self { least: [low, high], middle, most: sums[0] - middle[1] }
+        std::array::from_fn(|lane| Self {
+            least: least.map(|of| of[lane]),
+            middle: middle.map(|of| of[lane]),
+            most: most[lane],
+        })
     }
 
     /// Whether a direction, given by the variance along it, is off the first eigenvector by less than an angle for sure, by the sine

@@ -33,6 +33,9 @@ proptest! {
         let [l0, l1, l2] = eigen.values;
         let rounding = 1e-14 * (l0 + l1 + l2);
         let bounds = EigenvalueBounds::of(&c);
+        // Beside others, which take more steps or fewer.
+        let others = [SymmetricMatrix3::ZERO, SymmetricMatrix3::diagonal([1.0, 0.99, 0.98])];
+        prop_assert_eq!(EigenvalueBounds::of_all(&[others[0], c, others[1]])[1], bounds);
         let EigenvalueBounds { least, middle, most } = bounds;
         prop_assert!(least[0] <= l0 + rounding && l0 <= least[1] + rounding, "{least:?} {l0}");
         prop_assert!(middle[0] <= l1 + rounding && l1 <= middle[1] + rounding, "{middle:?} {l1}");

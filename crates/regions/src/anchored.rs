@@ -121,20 +121,26 @@ impl Anchored {
         sum
     }
 
-    /// What is asked of the sums of each cell and of those it touches, by their level.
-    pub(crate) fn around_cells<'a, T: Send>(
+    /// What is asked of the sums of `N` cells on end, each with those it touches, by their level, and of the number of the first; after the
+    /// last cell sums are those of nothing.
+    pub(crate) fn around_cells<'a, const N: usize, T: Send>(
         &'a self,
         level: &'a Level,
         cells: &'a [Sums],
-        ask: impl Fn(usize, Sum) -> T + Sync + Send + 'a,
+        ask: impl Fn(usize, &[Sum; N]) -> T + Sync + Send + 'a,
     ) -> impl IndexedParallelIterator<Item = T> + 'a {
         let arch = pulp::Arch::new();
-        let around = move |window: &mut Window, cell| {
-            window.move_to(cell, self, cells);
-            let kept = |cell| window.get(cell);
-            ask(cell, arch.dispatch(Around { anchored: self, level, cells, group: cell, kept: &kept }))
+        let around = move |window: &mut Window, first: usize| {
+            let mut sums = [Sum::ZERO; N];
+            for (group, sum) in (first * N..level.len()).zip(&mut sums) {
+                window.move_to(group, self, cells);
+                let kept = |cell| window.get(cell);
+                *sum = arch.dispatch(Around { anchored: self, level, cells, group, kept: &kept });
+            }
+            ask(first * N, &sums)
         };
-        (0..level.len()).into_par_iter().with_min_len(AT_ONCE).map_init(Window::default, around)
+        let all = (0..level.len().div_ceil(N)).into_par_iter();
+        all.with_min_len(AT_ONCE / N).map_init(Window::default, around)
     }
 
     /// What is asked of the sums of each group of a level and of those it touches, by those of each alone.
@@ -262,7 +268,7 @@ mod tests {
         assert!(cells > WINDOW && cubes > 3, "{cells} cells in {cubes} cubes");
         let level = &field.levels[0];
         let none = |_| None;
-        let each: Vec<Sum> = field.anchored.around_cells(level, &field.cells, |_, sum| sum).collect();
+        let each: Vec<Sum> = field.anchored.around_cells(level, &field.cells, |_, [sum]| *sum).collect();
         for (cell, around) in each.iter().enumerate() {
             assert_eq!(*around, field.anchored.sum_around(level, &field.cells, cell, none));
         }

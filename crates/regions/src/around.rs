@@ -201,11 +201,30 @@ impl Bounded {
     }
 }
 
-/// Both that are told of the neighbourhood of a cell: its bounds, and how its surface may be turned.
-pub(crate) fn told(sum: &Sum, edge: f64) -> (Bounded, Turned) {
-    let scatter = sum.covariance();
-    let bounds = EigenvalueBounds::of(&scatter);
-    (Bounded::of(sum, &bounds, edge), Turned::of(&scatter, &bounds))
+/// Both that are told of the neighbourhoods of cells: bounds, and how surfaces may be turned. As many at a time as fill a vector.
+pub(crate) fn told<const N: usize>(sums: &[Sum; N], edge: f64) -> ([Bounded; N], [Turned; N]) {
+    pulp::Arch::new().dispatch(Told { sums, edge })
+}
+
+/// [`told`] with the widest instructions there are.
+struct Told<'s, const N: usize> {
+    sums: &'s [Sum; N],
+    edge: f64,
+}
+
+impl<const N: usize> pulp::WithSimd for Told<'_, N> {
+    type Output = ([Bounded; N], [Turned; N]);
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Self { sums, edge } = self;
+        let scatters = std::array::from_fn(|lane| sums[lane].covariance());
+        let bounds = EigenvalueBounds::of_all(&scatters);
+        let bounded = std::array::from_fn(|lane| Bounded::of(&sums[lane], &bounds[lane], edge));
+        (bounded, Turned::of_all(&scatters, &bounds))
+    }
 }
 
 #[cfg(test)]
@@ -242,7 +261,7 @@ mod tests {
             let normal = DVec3::from(normal).try_normalize().unwrap_or(DVec3::Z);
             let plane = Flat { normal, point: DVec3::ZERO };
             if let Some(around) = &around {
-                let (bounded, turned) = told(&sum, EDGE);
+                let ([bounded], [turned]) = told(&[sum], EDGE);
                 let in_units = NOISE.in_units(EDGE);
                 let limit = turned.limit(&bounded, in_units, 0.3, 3.0);
                 let is_along = around.is_row(NOISE) || plane.angle(&around.plane) <= 0.3 + 3.0 * around.tilt(NOISE);

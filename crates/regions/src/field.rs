@@ -23,6 +23,8 @@ pub(crate) const LEVELS: u32 = 4;
 pub(crate) const COARSE: usize = 1;
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
+/// Neighbourhoods that are looked at side by side: as many as most vectors hold.
+const LANES: usize = 4;
 
 /// Cells along a space-filling curve, at several resolutions: what [`find`](crate::find) goes out from. Made once, it is asked how points
 /// scatter around each cell, where their errors are not known, and takes those that are found so.
@@ -134,7 +136,7 @@ impl Field {
     /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
     pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
         let Some(level) = self.levels.first() else { return Vec::new() };
-        let of_cell = |cell: usize, sum: Sum| {
+        let of_cell = |cell: usize, [sum]: &[Sum; 1]| {
             let sums =
                 sum.stats(self.anchored.anchor_of(number(cell))).with_anchor(self.anchors[cell].to_array());
             ask(self.order[cell] as usize, &sums)
@@ -195,7 +197,11 @@ impl Field {
     pub(crate) fn begin_growth(&mut self) {
         let Some((cells, coarser)) = self.levels.split_first() else { return };
         let (edge, anchored) = (self.edge, &self.anchored);
-        let (finest, turned) = anchored.around_cells(cells, &self.cells, |_, sum| told(&sum, edge)).unzip();
+        let told = |_, sums: &[Sum; LANES]| told(sums, edge);
+        let (bounded, turned): (Vec<_>, Vec<_>) = anchored.around_cells(cells, &self.cells, told).unzip();
+        let (mut finest, mut turned) = (bounded.into_flattened(), turned.into_flattened());
+        finest.truncate(cells.len());
+        turned.truncate(cells.len());
         let of_group = |sum: Sum| Bounded::of(&sum, &EigenvalueBounds::of(&sum.covariance()), edge);
         let mut bounded = vec![finest];
         let mut below: Option<(&Level, Vec<Sum>)> = None;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use terrace_normals::EigenvalueBounds;
 use terrace_stats::SymmetricMatrix3;
 
@@ -30,13 +30,53 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Of points with this scatter and these bounds of its eigenvalues.
-    // Rounding is allowed for where numbers are made use of.
-    #[allow(clippy::cast_possible_truncation)]
-    pub(crate) fn of(scatter: &SymmetricMatrix3, bounds: &EigenvalueBounds) -> Self {
-        let known = least_direction(scatter, bounds.least[1], bounds.middle[0]);
-        let (normal, off) = known.unwrap_or((DVec3::ZERO, f64::INFINITY));
-        Self { normal: normal.to_array().map(|x| x as f32), off: off as f32 }
+    /// Of points with these scatters and these bounds of their eigenvalues, side by side.
+    ///
+    /// With the eigenvalue λ, rows of C − λ are across the eigenvector. With its Rayleigh quotient ρ, any unit vector v that is off by the
+    /// angle θ has ‖Cv − ρv‖ ≥ (λ₁ − ρ) sin θ.
+    // Into what it is dispatched to; rounding is allowed for where numbers are made use of.
+    #[allow(clippy::inline_always, clippy::cast_possible_truncation)]
+    #[inline(always)]
+    pub(crate) fn of_all<const N: usize>(
+        scatters: &[SymmetricMatrix3; N],
+        bounds: &[EigenvalueBounds; N],
+    ) -> [Self; N] {
+        let mut c = [[0.0; N]; 6];
+        let (mut least, mut middle) = ([0.0; N], [0.0; N]);
+        for lane in 0..N {
+            for (c, entry) in c.iter_mut().zip(scatters[lane].0) {
+                c[lane] = entry;
+            }
+            (least[lane], middle[lane]) = (bounds[lane].least[1], bounds[lane].middle[0]);
+        }
+        let (mut normals, mut offs) = ([[0.0_f32; N]; 3], [f32::INFINITY; N]);
+        for lane in 0..N {
+            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|entry: usize| c[entry][lane]);
+            let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
+            let [a, b, c] = [0, 1, 2].map(|i| {
+                let mut row = rows[i].to_array();
+                row[i] -= least[lane];
+                DVec3::from(row)
+            });
+            let mut across = a.cross(b);
+            for other in [b.cross(c), c.cross(a)] {
+                let is_longer = other.length_squared() > across.length_squared();
+                across = DVec3::select(glam::BVec3::splat(is_longer), other, across);
+            }
+            let per_length = 1.0 / across.length();
+            let normal = across * per_length;
+            let turned = DVec3::new(rows[0].dot(normal), rows[1].dot(normal), rows[2].dot(normal));
+            let (quotient, trace) = (normal.dot(turned), xx + yy + zz);
+            let gap = middle[lane] - quotient;
+            let residual = (turned - normal * quotient).length() + ROUNDING_OF_TRACE * trace;
+            // None where they are too close, nor where the length is nothing, or no number.
+            let is_known = (gap > GAP * trace) & (per_length < f64::INFINITY);
+            for (normals, x) in normals.iter_mut().zip(normal.to_array()) {
+                normals[lane] = if is_known { x as f32 } else { 0.0 };
+            }
+            offs[lane] = if is_known { (residual / gap + ROUNDING) as f32 } else { f32::INFINITY };
+        }
+        std::array::from_fn(|lane| Self { normal: normals.map(|of| of[lane]), off: offs[lane] })
     }
 
     /// For the errors of points taken so, in units of a squared edge: surfaces may be turned by an angle in radians, and by so many
@@ -96,26 +136,4 @@ impl Limit {
         }
         (cosine < f64::from(self.away)).then_some(false)
     }
-}
-
-/// The eigenvector of the least eigenvalue of a scatter, nearly, and the sine of the angle to it from above. The eigenvalue is given from
-/// above, the middle one from below. `None` where they are too close.
-///
-/// With the eigenvalue λ, rows of C − λ are across the eigenvector. With its Rayleigh quotient ρ, any unit vector v that is off by the
-/// angle θ has ‖Cv − ρv‖ ≥ (λ₁ − ρ) sin θ.
-fn least_direction(c: &SymmetricMatrix3, least: f64, middle: f64) -> Option<(DVec3, f64)> {
-    let [xx, xy, xz, yy, yz, zz] = c.0;
-    let scatter = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
-    let trace = xx + yy + zz;
-    let [a, b, c] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| scatter * axis - axis * least);
-    let mut across = a.cross(b);
-    for other in [b.cross(c), c.cross(a)] {
-        across = if other.length_squared() > across.length_squared() { other } else { across };
-    }
-    let normal = across.try_normalize()?;
-    let turned = scatter * normal;
-    let quotient = normal.dot(turned);
-    let gap = middle - quotient;
-    let residual = (turned - normal * quotient).length() + ROUNDING_OF_TRACE * trace;
-    (gap > GAP * trace).then(|| (normal, residual / gap + ROUNDING))
 }
