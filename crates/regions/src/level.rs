@@ -8,6 +8,8 @@ use crate::places::Places;
 
 /// Groups whose neighbours are looked up in one go.
 const AT_ONCE: usize = 256;
+/// Groups that touch one, of nearly all scenes no more in the mean: surfaces are some cells thick where points have errors.
+const USUALLY_NEAR: usize = 16;
 
 /// Cells in groups of 2ˡ × 2ˡ × 2ˡ, and which groups touch. Cells are in the order of a space-filling curve, so that the cells of a
 /// group follow each other, and the groups of a level those of the next.
@@ -83,8 +85,8 @@ impl Level {
     ) {
         let child = |parent: usize| children[parent]..children[parent + 1];
         let is_wide = |group: u32| wide.get(group as usize) == Some(&true);
-        let of_some = |first: usize| {
-            let (mut near, mut ends) = (Vec::new(), Vec::new());
+        // Appends to what touches and where that ends.
+        let of_some = |first: usize, near: &mut Vec<u32>, ends: &mut Vec<usize>| {
             for parent in first..(first + AT_ONCE).min(parents.len()) {
                 let mut places = Places::around(keys_of_parents[parent]);
                 for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
@@ -97,16 +99,27 @@ impl Level {
                     }
                 }
                 for group in child(parent) {
-                    places.touching(group, keys[group as usize], is_wide, &mut near);
+                    places.touching(group, keys[group as usize], is_wide, near);
                     ends.push(near.len());
                 }
             }
+        };
+        self.near_starts.reserve(keys.len());
+        if rayon::current_num_threads() == 1 {
+            // Where nothing is done meanwhile, without a copy of it all; memory that is not used is none.
+            self.near.reserve(USUALLY_NEAR * keys.len());
+            let all = (0..parents.len()).step_by(AT_ONCE);
+            all.for_each(|first| of_some(first, &mut self.near, &mut self.near_starts));
+            return;
+        }
+        let apart = |first: usize| {
+            let (mut near, mut ends) = (Vec::new(), Vec::new());
+            of_some(first, &mut near, &mut ends);
             (near, ends)
         };
         let parts: Vec<(Vec<u32>, Vec<usize>)> =
-            (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(of_some).collect();
+            (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(apart).collect();
         self.near.reserve(parts.iter().map(|(near, _)| near.len()).sum());
-        self.near_starts.reserve(keys.len());
         for (near, ends) in parts {
             let before = self.near.len();
             self.near.extend(near);
@@ -215,7 +228,20 @@ mod tests {
 
     fn levels(keys: &[[i32; 3]]) -> (Vec<Level>, Vec<u32>) {
         let (sorted, order) = along_curve(keys.len(), |at| keys[at]);
-        (Level::all(&sorted, &[], 4), order)
+        (all(&sorted, &[]), order)
+    }
+
+    /// The same on one thread, where nothing is made apart, as on two.
+    fn all(keys: &[[u32; 3]], wide: &[bool]) -> Vec<Level> {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| Level::all(keys, wide, 4))
+        };
+        let [one, two] = [1, 2].map(on);
+        for (one, two) in one.iter().zip(&two) {
+            assert_eq!((&one.near, &one.near_starts), (&two.near, &two.near_starts));
+        }
+        one
     }
 
     #[test]
@@ -252,7 +278,7 @@ mod tests {
             let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
             let along: Vec<([i32; 3], bool)> = order.iter().map(|at| cells[*at as usize]).collect();
             let is_wide: Vec<bool> = along.iter().map(|(_, wide)| *wide).collect();
-            let levels = Level::all(&sorted, &is_wide, 4);
+            let levels = all(&sorted, &is_wide);
             for (cell, (key, wide)) in (0..).zip(&along) {
                 let ends = |key: i32, wide: bool| [key, key + 1 + i32::from(wide)];
                 let touches = |other: &([i32; 3], bool)| {

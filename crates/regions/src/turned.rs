@@ -70,7 +70,7 @@ impl Turned {
             let gap = middle[lane] - quotient;
             let residual = (turned - normal * quotient).length() + ROUNDING_OF_TRACE * trace;
             // None where they are too close, nor where the length is nothing, or no number.
-            let is_known = (gap > GAP * trace) & (per_length < f64::INFINITY);
+            let is_known = gap > GAP * trace && per_length < f64::INFINITY;
             for (normals, x) in normals.iter_mut().zip(normal.to_array()) {
                 normals[lane] = if is_known { x as f32 } else { 0.0 };
             }
