@@ -88,9 +88,7 @@ fn profile(points: usize) -> Outcome<()> {
         let mut samples = Samples::new(grid.place_unit());
         let number = |cell: &Option<CellId>| cell.and_then(|cell| u32::try_from(cell.index()).ok());
         for (cells, places) in &kept {
-            let mut packed = Vec::with_capacity(places.len());
-            samples.pack(places, &mut packed);
-            samples.push_all(|at| number(&cells[at]), &packed);
+            samples.push_all(|at| number(&cells[at]), places);
         }
         done(&mut best)?;
         black_box(grid.halved()?);
@@ -109,11 +107,14 @@ fn profile(points: usize) -> Outcome<()> {
         done(&mut best)?;
         let mut labels: Vec<Option<NonZeroU32>> = vec![None; points];
         let mut rest = &mut labels[..];
+        #[allow(clippy::cast_possible_truncation, reason = "a power of two")]
+        let unit = grid.place_unit() as f32;
         for (cells, places) in &kept {
             let (of_scan, others) = rest.split_at_mut(cells.len());
             rest = others;
             let points = cells.iter().zip(places).zip(of_scan);
-            let points = points.map(|((cell, place), to)| (number(cell), *place, to));
+            let points =
+                points.map(|((cell, place), to)| (number(cell), place.map(|x| f32::from(x) * unit), to));
             let set = |to: &mut Option<NonZeroU32>, label: Option<u32>| {
                 *to = label.and_then(|label| NonZeroU32::new(label + 1));
             };

@@ -116,7 +116,7 @@ impl Room {
 struct Gridded {
     grid: VoxelGrid,
     cells: Vec<Option<CellId>>,
-    places: Vec<[f32; 3]>,
+    places: Vec<[i16; 3]>,
 }
 
 impl Gridded {
@@ -134,9 +134,7 @@ impl Gridded {
 
     fn samples(&self) -> Samples {
         let mut samples = Samples::new(self.grid.place_unit());
-        let mut packed = Vec::with_capacity(self.places.len());
-        samples.pack(&self.places, &mut packed);
-        samples.push_all(|point| self.cell(point), &packed);
+        samples.push_all(|point| self.cell(point), &self.places);
         samples
     }
 
@@ -269,9 +267,12 @@ fn labels() -> Outcome<usize> {
     let gridded = Gridded::of(&Room::new()?)?;
     let found = gridded.found(&gridded.fine(), &gridded.samples())?;
     let mut labels = vec![None; gridded.cells.len()];
+    #[allow(clippy::cast_possible_truncation, reason = "a power of two")]
+    let unit = gridded.grid.place_unit() as f32;
     counted(|| {
         let points = (0..).zip(&gridded.places).zip(&mut labels);
-        let points = points.map(|((at, place), to)| (gridded.cell(at), *place, to));
+        let metres = |place: &[i16; 3]| place.map(|x| f32::from(x) * unit);
+        let points = points.map(|((at, place), to)| (gridded.cell(at), metres(place), to));
         found.labeller.label_all(points, |to, label| *to = label)
     });
     Ok(labels.len())

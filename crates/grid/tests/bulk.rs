@@ -42,17 +42,16 @@ impl Owned {
 }
 
 /// To the power of two below 2⁻¹⁴ of an edge: to 16 bits, where points are in the voxel of their cell. No zero is negative.
-fn rounded(x: f64, size: f64, rule: Assignment) -> f32 {
-    let most = if rule == Assignment::Voxel { f64::from(i16::MAX) } else { f64::INFINITY };
+fn rounded(x: f64, size: f64) -> i16 {
     let unit = size.log2().floor().exp2() * (-14_f64).exp2();
-    ((x / unit).round_ties_even().min(most) * unit + 0.0) as f32
+    (x / unit).round_ties_even() as i16
 }
 
 /// All that comes of an insertion.
 #[derive(Debug, Clone, PartialEq)]
 struct Outcome {
     cells: Vec<Option<CellId>>,
-    places: Vec<[f32; 3]>,
+    places: Vec<[i16; 3]>,
     taken: Vec<Taken>,
     sums: Vec<(VoxelKey, CellId, Moments)>,
 }
@@ -92,9 +91,10 @@ fn one_by_one(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned) 
             }
         }
         let centre = cell.ok().and_then(|cell| grid.get(cell)).map(|cell| cell.centre());
-        places.push(centre.map_or([0.0; 3], |centre| {
-            [0, 1, 2].map(|i| rounded(point[i] - centre[i], grid.cell_size(), rule))
-        }));
+        places.push(
+            centre
+                .map_or([0; 3], |centre| [0, 1, 2].map(|i| rounded(point[i] - centre[i], grid.cell_size()))),
+        );
         cells.push(cell.ok());
     }
     Outcome { cells, places, taken, sums: sums(&grid) }
@@ -298,11 +298,13 @@ proptest! {
         let (mut found, mut found_places) = (Vec::new(), Vec::new());
         grid.find_all(&points, &mut found, &mut found_places);
         prop_assert_eq!(&found, &cells);
-        prop_assert_eq!(&found_places[..places.len()], &places[..]);
+        let metres = |place: &[i16; 3]| place.map(|x| (f64::from(x) * grid.place_unit()) as f32);
+        prop_assert_eq!(&found_places[..places.len()], &places.iter().map(metres).collect::<Vec<_>>()[..]);
         for (point, (cell, place)) in points.iter().zip(found.iter().zip(&found_places)) {
             let Some(cell) = cell.and_then(|cell| grid.get(cell)) else { continue };
             let anchor = cell.anchor();
-            prop_assert!((0..3).all(|i| rounded(point[i] - anchor[i], grid.cell_size(), Assignment::Voxel).to_bits() == place[i].to_bits()));
+            let expected = [0, 1, 2].map(|i| rounded(point[i] - anchor[i], grid.cell_size()));
+            prop_assert_eq!(*place, metres(&expected));
         }
     }
 

@@ -1,7 +1,6 @@
 //! Places of points in six bytes each.
 
-/// The places as they were before [`Samples`](terrace_regions::Samples) packed them: all points of a map are kept so, and most of the memory that
-/// they need would else be zeroes.
+/// Places in metres: all points of a map are kept as the grid tells them, in whole units.
 pub(crate) fn unpacked(packed: &[[i16; 3]], unit: f64) -> impl Iterator<Item = [f32; 3]> {
     let unit = single(unit);
     packed.iter().map(move |place| place.map(|x| f32::from(x) * unit))
@@ -35,12 +34,12 @@ mod tests {
             }.unwrap();
             let (mut cells, mut places) = (Vec::new(), Vec::new());
             grid.insert_all(&points, PointErrors::None, &mut cells, Some(&mut places)).unwrap();
-            let mut packed = Vec::new();
-            Samples::new(grid.place_unit()).pack(&places, &mut packed);
-            let again: Vec<[f32; 3]> = unpacked(&packed, grid.place_unit()).collect();
+            let metres: Vec<[f32; 3]> = unpacked(&places, grid.place_unit()).collect();
+            let mut again = Vec::new();
+            Samples::new(grid.place_unit()).pack(&metres, &mut again);
             prop_assert_eq!(&again, &places);
             // And are those of the points.
-            for ((point, place), cell) in points.iter().zip(&places).zip(&cells) {
+            for ((point, place), cell) in points.iter().zip(&metres).zip(&cells) {
                 let anchor = grid.get(cell.unwrap()).unwrap().anchor();
                 for i in 0..3 {
                     let off = anchor[i] + f64::from(place[i]) - point[i];

@@ -43,7 +43,7 @@ impl VoxelGrid {
         &mut self,
         chunk: &Chunk<'_>,
         cells: &mut Vec<Option<CellId>>,
-        mut places: Option<&mut Vec<[f32; 3]>>,
+        mut places: Option<&mut Vec<[i16; 3]>>,
     ) -> Taken {
         let mut taken = Taken::default();
         let (mut located, mut split) = (Located::new(), Split::new());

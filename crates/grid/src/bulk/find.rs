@@ -1,6 +1,6 @@
 //! The cells that many points are in.
 
-use super::locate::{BATCH, Located, NOWHERE};
+use super::locate::{BATCH, Located, NOWHERE, Place};
 use crate::block::{BlockKey, RECENT, place_of};
 use crate::key::key_of;
 use crate::{CellId, VoxelGrid};
@@ -15,6 +15,7 @@ impl VoxelGrid {
     /// For points that are read again: with [`Assignment::Voxel`](crate::Assignment::Voxel) nothing else tells the cell of a point.
     pub fn find_all(&self, points: &[[f64; 3]], cells: &mut Vec<Option<CellId>>, places: &mut Vec<[f32; 3]>) {
         let mut located = Located::new();
+        let unit = self.place_unit();
         let mut recent: [Option<LookedUp>; RECENT] = [None; RECENT];
         let mut last = (NOWHERE, None);
         for points in points.chunks(BATCH) {
@@ -23,11 +24,11 @@ impl VoxelGrid {
                     points.iter().zip(located.keys.iter_mut().zip(&mut located.places))
                 {
                     if key_of(*point, self.lattice.size).is_err() {
-                        (*key, *place) = (NOWHERE, [0.0; 3]);
+                        (*key, *place) = (NOWHERE, [0; 3]);
                     }
                 }
             }
-            places.extend_from_slice(&located.places[..points.len()]);
+            places.extend_from_slice(&unpacked(&located.places, unit)[..points.len()]);
             for key in &located.keys[..points.len()] {
                 if *key != last.0 {
                     let block_key = BlockKey::of(*key);
@@ -46,4 +47,18 @@ impl VoxelGrid {
             }
         }
     }
+}
+
+/// Places in metres, several at a time.
+fn unpacked(places: &[Place; BATCH], unit: f64) -> [[f32; 3]; BATCH] {
+    let mut metres = [[0.0; 3]; BATCH];
+    pulp::Arch::new().dispatch(|| {
+        for (metres, place) in metres.as_flattened_mut().iter_mut().zip(places.as_flattened()) {
+            // Exact, for cells of any size that is of use.
+            #[allow(clippy::cast_possible_truncation)]
+            let rounded = (f64::from(*place) * unit) as f32;
+            *metres = rounded;
+        }
+    });
+    metres
 }

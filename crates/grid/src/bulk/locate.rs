@@ -17,14 +17,15 @@ const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
 pub(super) struct Located {
     /// What is out of range has any key.
     pub(super) keys: [VoxelKey; BATCH],
-    pub(super) places: [[f32; 3]; BATCH],
+    /// In whole units.
+    pub(super) places: [Place; BATCH],
     /// The places before they are rounded.
     pub(super) local: [[f64; 3]; BATCH],
 }
 
 impl Located {
     pub(super) fn new() -> Self {
-        Self { keys: [NOWHERE; BATCH], places: [[0.0; 3]; BATCH], local: [[0.0; 3]; BATCH] }
+        Self { keys: [NOWHERE; BATCH], places: [[0; 3]; BATCH], local: [[0.0; 3]; BATCH] }
     }
 
     /// Looks at some points; tells whether all are in range.
@@ -47,7 +48,7 @@ impl Located {
     #[allow(clippy::inline_always)]
     #[inline(always)]
     fn located<const HALVES: bool>(&mut self, points: &[[f64; 3]], size: f64) -> bool {
-        let (unit, per_unit) = unit_of(size);
+        let (_, per_unit) = unit_of(size);
         let keys = self.keys.as_flattened_mut().iter_mut();
         let places = self.places.as_flattened_mut().iter_mut();
         let local = self.local.as_flattened_mut().iter_mut();
@@ -62,11 +63,11 @@ impl Located {
             *key = index.cast_signed();
             let anchor =
                 if HALVES { (self::floor(0.5 * floor) + 0.5) * (2.0 * size) } else { (floor + 0.5) * size };
-            // Whole numbers of a unit, so that sums of places are exact, whatever their order.
+            // Whole numbers, so that sums of places are exact, whatever their order.
             #[allow(clippy::cast_possible_truncation)]
-            let rounded = (whole((x - anchor) * per_unit).min(MOST_UNITS) * unit) as f32;
+            let rounded = (((x - anchor) * per_unit).min(MOST_UNITS) + ROUNDING).to_bits() as u16;
             *local = x - anchor;
-            *place = rounded;
+            *place = rounded.cast_signed();
         }
         inside
     }
@@ -87,12 +88,15 @@ impl Located {
             };
             if let Some(refusal) = refusal {
                 self.keys[at] = NOWHERE;
-                self.places[at] = [0.0; 3];
+                self.places[at] = [0; 3];
                 taken.refuse(refusal);
             }
         }
     }
 }
+
+/// Where a point is from the anchor of its voxel, in whole units.
+pub(super) type Place = [i16; 3];
 
 /// Places are no further than a cell from their anchor, which is less than this.
 const MOST_UNITS: f64 = i16::MAX as f64;

@@ -48,7 +48,8 @@ impl Taken {
 impl VoxelGrid {
     /// Adds points with weight 1, faster than one by one and on all threads of the rayon pool, and appends the cell of each
     /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the [anchor](crate::Cell::anchor) of its voxel (of
-    /// its cell, with [`Assignment::ExpectedDistance`]), in whole [units](Self::place_unit), 0 if it was refused.
+    /// its cell, with [`Assignment::ExpectedDistance`]; what is further than 16 bits tell is at their end), in whole [units](Self::place_unit), 0 if
+    /// it was refused.
     ///
     /// Cells, their identities and their sums are those of [`VoxelGrid::insert`] point by point, to the bit, on any number of threads and
     /// however points are handed over. [`Assignment::ExpectedDistance`] depends on the order of points, which are then inserted one by
@@ -74,7 +75,7 @@ impl VoxelGrid {
         points: &[[f64; 3]],
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
-        places: Option<&mut Vec<[f32; 3]>>,
+        places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
         self.insert_by(false, points, errors, cells, places)
     }
@@ -89,7 +90,7 @@ impl VoxelGrid {
         points: &[[f64; 3]],
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
-        places: Option<&mut Vec<[f32; 3]>>,
+        places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
         self.insert_by(true, points, errors, cells, places)
     }
@@ -100,7 +101,7 @@ impl VoxelGrid {
         points: &[[f64; 3]],
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
-        mut places: Option<&mut Vec<[f32; 3]>>,
+        mut places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
         if let Some(errors) = errors.len().filter(|errors| *errors != points.len()) {
             return Err(GridError::Lengths { points: points.len(), errors });
@@ -122,7 +123,7 @@ impl VoxelGrid {
                 continue;
             }
             let cells = extend(cells, None, points.len());
-            let places = places.as_mut().map(|places| extend(places, [0.0; 3], points.len()));
+            let places = places.as_mut().map(|places| extend(places, [0; 3], points.len()));
             taken.add(&if by_voxel {
                 self.insert_chunk(&chunk, &mut sections, cells, places)
             } else {
@@ -138,7 +139,7 @@ impl VoxelGrid {
         &mut self,
         chunk: &Chunk<'_>,
         cells: &mut [Option<CellId>],
-        mut places: Option<&mut [[f32; 3]]>,
+        mut places: Option<&mut [[i16; 3]]>,
     ) -> Taken {
         let mut taken = Taken::default();
         for (at, (point, of_point)) in chunk.points.iter().zip(cells).enumerate() {
@@ -152,14 +153,11 @@ impl VoxelGrid {
                     taken.points += 1;
                     *of_point = Some(cell);
                     if let (Some(places), Some(cell)) = (&mut places, self.get(cell)) {
-                        let anchor = cell.anchor();
-                        let (unit, per_unit) = unit_of(self.lattice.size);
-                        // As `Located` rounds them.
+                        let (anchor, (_, per_unit)) = (cell.anchor(), unit_of(self.lattice.size));
+                        // As `Located` rounds them; what is further than is told is at the end.
                         #[allow(clippy::cast_possible_truncation)]
-                        let place = [0, 1, 2].map(|i| {
-                            (((point[i] - anchor[i]) * per_unit).round_ties_even() * unit + 0.0) as f32
-                        });
-                        places[at] = place;
+                        let units = |i: usize| ((point[i] - anchor[i]) * per_unit).round_ties_even() as i16;
+                        places[at] = [0, 1, 2].map(units);
                     }
                 }
             }
@@ -174,7 +172,7 @@ impl VoxelGrid {
         chunk: &Chunk<'_>,
         sections: &mut Vec<Section>,
         cells: &mut [Option<CellId>],
-        places: Option<&mut [[f32; 3]]>,
+        places: Option<&mut [[i16; 3]]>,
     ) -> Taken {
         let Chunk { points, errors } = *chunk;
         let lattice = self.lattice;

@@ -60,7 +60,7 @@ impl Section {
         points: &[[f64; 3]],
         errors: &PointErrors<'_>,
         lattice: Lattice,
-        places: Option<&mut [[f32; 3]]>,
+        places: Option<&mut [[i16; 3]]>,
         found: &mut Found,
     ) {
         found.clear();

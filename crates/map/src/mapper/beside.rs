@@ -33,7 +33,7 @@ const BEHIND: usize = 2;
 struct Part {
     world: World,
     cells: Vec<Option<CellId>>,
-    places: Vec<[f32; 3]>,
+    places: Vec<[i16; 3]>,
 }
 
 /// Where points go first.
@@ -52,8 +52,6 @@ struct Behind<'m> {
     seen: Option<&'m mut Seen>,
     /// Where points are kept.
     kept: Option<&'m mut Kept>,
-    /// Places on their way into the samples, where they are not.
-    scratch: Vec<[i16; 3]>,
 }
 
 impl Mapper {
@@ -65,12 +63,7 @@ impl Mapper {
         let grows = self.params.grows().is_some();
         let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let seen = seen.as_mut().filter(|_| matters);
-        let behind = Mutex::new(Behind {
-            samples: samples.as_mut(),
-            seen,
-            kept: keeps.then_some(&mut kept),
-            scratch: Vec::new(),
-        });
+        let behind = Mutex::new(Behind { samples: samples.as_mut(), seen, kept: keeps.then_some(&mut kept) });
         let front = Mutex::new(Front { grid, places: grows, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
         let parts: [Mutex<Part>; ROOM] = Default::default();
@@ -110,21 +103,15 @@ impl Front<'_> {
 impl Behind<'_> {
     fn take(&mut self, part: &Part) {
         let Part { cells, places, .. } = part;
-        let (keeps, scratch) = (self.kept.is_some(), &mut self.scratch);
-        let packed = self.kept.as_mut().map_or(scratch, |kept| &mut kept.places);
-        if !keeps {
-            packed.clear();
-        }
         if let Some(samples) = &mut self.samples {
-            let begin = packed.len();
-            samples.pack(places, packed);
-            samples.push_alone(|at| number(cells[at]), &packed[begin..]);
+            samples.push_alone(|at| number(cells[at]), places);
         }
         if let Some(seen) = &mut self.seen {
             seen.push(cells);
         }
         if let Some(kept) = &mut self.kept {
             kept.cells.extend_from_slice(cells);
+            kept.places.extend_from_slice(places);
         }
     }
 }

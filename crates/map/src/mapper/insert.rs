@@ -125,15 +125,15 @@ impl Mapper {
         let at_once = if alone { ALONE } else { AT_ONCE };
         // Looked at once for the scan, not again for each part of it.
         let in_order = alone && grid.are_in_order(scan.points());
-        let (mut world, mut places) = (World::default(), Vec::new());
+        let mut world = World::default();
         for first in (0..scan.len()).step_by(at_once) {
             let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
             if self.seen.is_some() {
                 kept.cells.clear();
+                kept.places.clear();
             }
             let begin = kept.cells.len();
-            places.clear();
-            let (cells, to) = (&mut kept.cells, grows.then_some(&mut places));
+            let (cells, to) = (&mut kept.cells, grows.then_some(&mut kept.places));
             let taken = if in_order {
                 grid.insert_alone(points, errors, cells, to)
             } else {
@@ -144,12 +144,8 @@ impl Mapper {
                 seen.push(&kept.cells);
             }
             if let Some(samples) = self.samples.as_mut().filter(|_| grows) {
-                if self.seen.is_some() {
-                    kept.places.clear();
-                }
-                let (cells, first) = (&kept.cells[begin..], kept.places.len());
-                samples.pack(&places, &mut kept.places);
-                samples.push_all(|at| number(cells[at]), &kept.places[first..]);
+                let cells = &kept.cells[begin..];
+                samples.push_all(|at| number(cells[at]), &kept.places[begin..]);
             }
         }
         if self.seen.is_none() {
