@@ -89,9 +89,8 @@ impl Anchored {
 
     /// Of a group alone.
     pub(crate) fn sum_of(&self, level: &Level, cells: &[Sums], group: usize) -> Sum {
-        let (mut sum, anchor) = (Sum::ZERO, self.anchor_of(level.cells(group).start));
-        level.cells(group).for_each(|cell| sum.add(&cells[cell as usize].about(anchor)));
-        sum
+        let (of_group, anchor) = (level.cells(group), self.anchor_of(level.cells(group).start));
+        pulp::Arch::new().dispatch(Union { all: cells, cells: of_group, anchor })
     }
 
     /// The sums of a group and of those it touches, about the anchor of its first cell, by those of groups alone: as they are kept, or
@@ -185,7 +184,7 @@ impl Anchored {
             let cube = self.cube_of(*first);
             let end = left.iter().position(|cell| !cube.holds(*cell)).unwrap_or(left.len());
             let (of_cube, rest) = left.split_at(end);
-            let own = arch.dispatch(Union { all, cells: of_cube, anchor: cube.anchor });
+            let own = arch.dispatch(Union { all, cells: of_cube.iter().copied(), anchor: cube.anchor });
             sum.add(&own.translated(cube.anchor - anchor));
             left = rest;
         }
@@ -232,13 +231,13 @@ impl<'s, K: Fn(usize) -> Option<&'s Sum>> pulp::WithSimd for Around<'_, K> {
 }
 
 /// Sums of cells about an anchor, likewise.
-struct Union<'a> {
+struct Union<'a, I> {
     all: &'a [Sums],
-    cells: &'a [u32],
+    cells: I,
     anchor: DVec3,
 }
 
-impl pulp::WithSimd for Union<'_> {
+impl<I: Iterator<Item = u32>> pulp::WithSimd for Union<'_, I> {
     type Output = Sum;
 
     // Into what it is dispatched to.
@@ -247,7 +246,7 @@ impl pulp::WithSimd for Union<'_> {
     fn with_simd<S: pulp::Simd>(self, _: S) -> Sum {
         let mut sum = Sum::ZERO;
         for cell in self.cells {
-            sum.add(&self.all[*cell as usize].about(self.anchor));
+            sum.add(&self.all[cell as usize].about(self.anchor));
         }
         sum
     }

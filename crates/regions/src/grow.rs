@@ -5,6 +5,7 @@ use crate::around::Arounds;
 use crate::cell::Noise;
 use crate::field::{COARSE, Field};
 use crate::flat::{Fitted, Flat};
+use crate::level::Level;
 use crate::seeds::{Seed, Seeds};
 
 /// A seed's points may scatter by this, in units of the variance of their errors.
@@ -72,6 +73,24 @@ pub(crate) fn grow(arounds: &mut Arounds, growth: Growth) -> Vec<Region> {
     regions
 }
 
+/// Points of a group of cells: whole numbers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Held {
+    all: f64,
+    free: f64,
+}
+
+impl Held {
+    fn add(self, other: Self) -> Self {
+        Self { all: self.all + other.all, free: self.free + other.free }
+    }
+
+    /// Whether enough are of no region.
+    fn is_free(self) -> bool {
+        self.free > 0.0 && self.free >= SEED_FREE * self.all
+    }
+}
+
 /// Regions on their way.
 pub(crate) struct Growing<'a, 'f> {
     field: &'f Field,
@@ -79,6 +98,8 @@ pub(crate) struct Growing<'a, 'f> {
     arounds: &'a mut Arounds<'f>,
     /// Whether a cell is of a region already.
     owned: Vec<bool>,
+    /// By level and group, all points and those of no region yet; without the finest level, whose groups are the cells.
+    coarser: Vec<Vec<Held>>,
     /// By level and group, when it was last reached.
     reached: Vec<Vec<u32>>,
     clock: u32,
@@ -90,13 +111,23 @@ impl<'a, 'f> Growing<'a, 'f> {
         let field = arounds.field();
         arounds.limit(growth.noise, TURNED, TURNED_ERRORS);
         let reached = field.levels.iter().map(|level| vec![0; level.len()]).collect();
-        Self { field, growth, arounds, owned: vec![false; field.cells.len()], reached, clock: 0 }
+        let of_level = |level: &Level| {
+            let of_group = |group: usize| {
+                let all = level.cells(group).map(|cell| field.cells[cell as usize].points).sum();
+                Held { all, free: all }
+            };
+            (0..level.len()).map(of_group).collect()
+        };
+        let coarser = field.levels.iter().skip(1).map(of_level).collect();
+        Self { field, growth, arounds, owned: vec![false; field.cells.len()], coarser, reached, clock: 0 }
     }
 
     /// How sure the orientation at a seed is; `None` when it cannot begin a region, now or later.
     fn judge(&mut self, seed: &Seed) -> Option<f64> {
         let (level, group) = (&self.field.levels[seed.level], seed.group as usize);
-        if !self.is_free(level.cells(group)) || !self.is_free(level.around(group)) {
+        let own = self.held(seed.level, group);
+        let near = level.near(group).iter().map(|near| self.held(seed.level, *near as usize));
+        if !own.is_free() || !near.fold(own, Held::add).is_free() {
             return None;
         }
         let noise = self.growth.noise;
@@ -114,7 +145,8 @@ impl<'a, 'f> Growing<'a, 'f> {
     /// Grows a region once more, from its own plane; `None` when others have most of its cells by now.
     pub(crate) fn again(&mut self, region: &Region) -> Option<Region> {
         let (plane, cells) = (region.fitted.plane, &region.cells);
-        if !self.is_free(cells.iter().copied()) {
+        let held = cells.iter().map(|cell| self.held(0, *cell as usize));
+        if !held.fold(Held::default(), Held::add).is_free() {
             return None;
         }
         self.settled(region.seed, plane, self.spread(cells, &plane), cells.len())
@@ -141,20 +173,22 @@ impl<'a, 'f> Growing<'a, 'f> {
             }
         }
         let found = found.filter(|region| region.fitted.points() >= FEWEST_POINTS)?;
-        for cell in &found.cells {
-            self.owned[*cell as usize] = true;
+        for cell in found.cells.iter().map(|cell| *cell as usize) {
+            self.owned[cell] = true;
+            for (level, held) in field.levels[1..].iter().zip(&mut self.coarser) {
+                held[level.group(cell) as usize].free -= field.cells[cell].points;
+            }
         }
         Some(found)
     }
 
-    fn is_free(&self, cells: impl Iterator<Item = u32>) -> bool {
-        let (mut free, mut all) = (0.0, 0.0);
-        for cell in cells {
-            let points = self.field.cells[cell as usize].points;
-            all += points;
-            free += if self.owned[cell as usize] { 0.0 } else { points };
+    /// The points of a group of a level.
+    fn held(&self, level: usize, group: usize) -> Held {
+        if let Some(coarser) = level.checked_sub(1) {
+            return self.coarser[coarser][group];
         }
-        free > 0.0 && free >= SEED_FREE * all
+        let all = self.field.cells[group].points;
+        Held { all, free: if self.owned[group] { 0.0 } else { all } }
     }
 
     /// The free cells on the plane that hang together with the seed, group by group at its resolution; where surfaces scatter by more

@@ -146,12 +146,6 @@ impl Level {
     pub(crate) fn near(&self, group: usize) -> &[u32] {
         &self.near[self.near_starts[group]..self.near_starts[group + 1]]
     }
-
-    /// The cells of a group and of those it touches.
-    pub(crate) fn around(&self, group: usize) -> impl Iterator<Item = u32> {
-        let groups = std::iter::once(number(group)).chain(self.near(group).iter().copied());
-        groups.flat_map(|group| self.cells(group as usize))
-    }
 }
 
 /// The steps to the 26 neighbours.
@@ -312,7 +306,8 @@ mod tests {
                     let own = found.group(cell) as usize;
                     let members: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| group(k) == group(key)).map(|(i, _)| i).collect();
                     prop_assert_eq!(found.cells(own).collect::<Vec<u32>>(), members);
-                    let mut around: Vec<u32> = found.around(own).collect();
+                    let groups = std::iter::once(number(own)).chain(found.near(own).iter().copied());
+                    let mut around: Vec<u32> = groups.flat_map(|group| found.cells(group as usize)).collect();
                     around.sort_unstable();
                     let touches = |k: &[i32; 3]| (0..3).all(|i| (group(k)[i] - group(key)[i]).abs() <= 1);
                     let expected: Vec<u32> = (0..).zip(&keys).filter(|(_, k)| touches(k)).map(|(i, _)| i).collect();

@@ -201,14 +201,15 @@ impl Groups {
         for start in 0..of.len() {
             if self.solid[start] && of[start].is_none() {
                 let first = begin(&mut of, start);
-                reached.extend(self.spread(level, marks, &mut of, first, |place| self.solid[place]));
+                self.spread(level, marks, &mut of, first, |place| self.solid[place], &mut reached);
             }
         }
-        self.spread(level, marks, &mut of, reached, |_| true);
+        let mut ends = Vec::new();
+        self.spread(level, marks, &mut of, reached, |_| true, &mut ends);
         for start in 0..of.len() {
             if of[start].is_none() {
                 let first = begin(&mut of, start);
-                self.spread(level, marks, &mut of, first, |_| true);
+                self.spread(level, marks, &mut of, first, |_| true, &mut ends);
             }
         }
         for group in &self.numbers {
@@ -232,7 +233,8 @@ impl Groups {
         }
     }
 
-    /// Gives the groups that touch those of the queue, and may, the part of those, and so on; all that were reached.
+    /// Gives the groups that touch those of the queue, and may, the part of those, and so on. Appends those to `ends`, in the order in which
+    /// they were reached, that touch some of no part which may not.
     fn spread(
         &self,
         level: &Level,
@@ -240,20 +242,28 @@ impl Groups {
         of: &mut [Option<usize>],
         mut queue: Vec<u32>,
         may: impl Fn(usize) -> bool,
-    ) -> Vec<u32> {
+        ends: &mut Vec<u32>,
+    ) {
         let mut next = 0;
         while let Some(place) = queue.get(next).copied() {
             next += 1;
-            let part = of[place as usize];
+            let (part, mut is_end) = (of[place as usize], false);
             for near in level.near(self.numbers[place as usize] as usize) {
                 let Some(place) = marks[*near as usize] else { continue };
-                if of[place as usize].is_none() && may(place as usize) {
+                if of[place as usize].is_some() {
+                    continue;
+                }
+                if may(place as usize) {
                     of[place as usize] = part;
                     queue.push(place);
+                } else {
+                    is_end = true;
                 }
             }
+            if is_end {
+                ends.push(place);
+            }
         }
-        queue
     }
 }
 

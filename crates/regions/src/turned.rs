@@ -94,18 +94,18 @@ impl Turned {
         let most_limit = turned + errors * tilt(least[1], highest, middle[0]) * (1.0 + ROUNDING);
         let off = f64::from(self.off);
         let known = off <= FARTHEST_OFF;
-        let off = (off * (1.0 + ROUNDING)).asin();
+        let off = most_angle(off * (1.0 + ROUNDING));
         let along = if least_limit > FRAC_PI_2 {
             -1.0
         } else if known && least_limit > off {
-            (least_limit - off).cos() + ROUNDING
+            most_cosine(least_limit - off) + ROUNDING
         } else {
             NEVER
         };
         let across = middle[0] * (1.0 - ROUNDING);
         let is_no_row = across > ROW * highest * (1.0 + ROUNDING) && across > NARROW;
         let away = if known && is_no_row && most_limit + off < FRAC_PI_2 {
-            (most_limit + off).cos() - ROUNDING
+            least_cosine(most_limit + off) - ROUNDING
         } else {
             -1.0
         };
@@ -113,6 +113,24 @@ impl Turned {
         #[allow(clippy::cast_possible_truncation)]
         Limit { along: along as f32, away: away as f32 }
     }
+}
+
+/// The angle with a sine up to [`FARTHEST_OFF`] from above, closely: the series of the arcsine, with more than all of the rest in its
+/// second term.
+fn most_angle(sine: f64) -> f64 {
+    sine * (1.0 + 0.17 * sine * sine)
+}
+
+/// The cosine of an angle from 0 to π/2 from above and below, closely where it is small: its series changes sign from term to term, and
+/// terms become smaller.
+fn most_cosine(angle: f64) -> f64 {
+    let x = angle * angle;
+    1.0 - x / 2.0 * (1.0 - x / 12.0)
+}
+
+fn least_cosine(angle: f64) -> f64 {
+    let x = angle * angle;
+    1.0 - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0))
 }
 
 /// More than any cosine.
@@ -135,5 +153,25 @@ impl Limit {
             return Some(true);
         }
         (cosine < f64::from(self.away)).then_some(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_and_cosines_are_bounded_closely() {
+        for k in 0..=1000 {
+            let share = f64::from(k) / 1000.0;
+            let sine = share * FARTHEST_OFF;
+            let over = most_angle(sine) - sine.asin();
+            assert!((0.0..=4e-6).contains(&over), "{over} at {sine}");
+            let angle = share * FRAC_PI_2;
+            let [over, under] = [most_cosine(angle) - angle.cos(), angle.cos() - least_cosine(angle)];
+            assert!((-1e-15..=0.021).contains(&over) && (-1e-15..=1e-3).contains(&under), "{over} {under}");
+            // As far as surfaces usually may be turned.
+            assert!(angle > 0.5 || over < 3e-5 && under < 1e-6);
+        }
     }
 }
