@@ -58,31 +58,33 @@ impl EigenvalueBounds {
         }
         let at = |lane: usize, x: f64| ((x - trace[lane]) * x + minors[lane]) * x - determinant[lane];
         let slope = |lane: usize, x: f64| (3.0 * x - 2.0 * trace[lane]) * x + minors[lane];
-        let (mut root, mut high, mut passed) = ([0.0; N], [0.0; N], [false; N]);
-        // Of what rounding leaves of numbers of this size it is far more.
-        let is_passed = |lane: usize, high: f64, slack: f64| {
-            (high < trace[lane] / 3.0) & (at(lane, high) > slack * slack * trace[lane])
+        // Of what rounding leaves of numbers of this size it is far more. How far above nothing it is, or below, for it to be known of several.
+        let passed_by = |lane: usize, high: f64, slack: f64| {
+            let beyond = at(lane, high) - slack * slack * trace[lane];
+            if high < trace[lane] / 3.0 { beyond } else { -1.0 }
         };
+        let (mut root, mut high, mut passed) = ([0.0; N], [0.0; N], [0.0; N]);
         for lane in 0..N {
-            let mut x = (determinant[lane] / minors[lane]).max(0.0);
+            let start = determinant[lane] / minors[lane];
+            let mut x = if start > 0.0 { start } else { 0.0 };
             for _ in 0..STEPS {
                 x -= at(lane, x) / slope(lane, x);
             }
             let slack = ROUNDING * trace[lane];
             (root[lane], high[lane]) = (x, x * CLOSE + slack);
-            passed[lane] = is_passed(lane, high[lane], slack);
+            passed[lane] = passed_by(lane, high[lane], slack);
         }
         // What is thick takes longer.
         for _ in STEPS..MOST_STEPS {
-            if passed.iter().all(|passed| *passed) {
+            if passed.iter().all(|passed| *passed > 0.0) {
                 break;
             }
             for lane in 0..N {
                 let (x, slack) = (root[lane], ROUNDING * trace[lane]);
                 let next = x - at(lane, x) / slope(lane, x);
-                root[lane] = if passed[lane] { x } else { next };
+                root[lane] = if passed[lane] > 0.0 { x } else { next };
                 high[lane] = root[lane] * CLOSE + slack;
-                passed[lane] = is_passed(lane, high[lane], slack);
+                passed[lane] = passed_by(lane, high[lane], slack);
             }
         }
         let (mut least, mut middle, mut most) = ([[0.0; N]; 2], [[0.0; N]; 2], [0.0; N]);
@@ -96,7 +98,7 @@ impl EigenvalueBounds {
             let (sums, products) =
                 ([high, low].map(|x| trace - x), [high, low].map(|x| minors - x * (trace - x)));
             let between = [smaller(sums[1], products[0]), smaller(sums[0], products[1]).min(0.5 * sums[1])];
-            let known = passed[lane] & wide;
+            let known = (passed[lane] > 0.0) & wide;
             let or = |known_so: f64, otherwise: f64| if known { known_so } else { otherwise };
             (least[0][lane], least[1][lane]) = (or(low, 0.0), or(high, trace));
             (middle[0][lane], middle[1][lane]) = (or(between[0], 0.0), or(between[1], 0.5 * trace));

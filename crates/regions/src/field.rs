@@ -23,8 +23,8 @@ pub(crate) const LEVELS: u32 = 4;
 pub(crate) const COARSE: usize = 1;
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
-/// Neighbourhoods that are looked at side by side: as many as most vectors hold.
-const LANES: usize = 4;
+/// Neighbourhoods that are looked at side by side: as many as the widest vectors hold.
+const LANES: usize = 8;
 
 /// Cells along a space-filling curve, at several resolutions: what [`find`](crate::find) goes out from. Made once, it is asked how points
 /// scatter around each cell, where their errors are not known, and takes those that are found so.

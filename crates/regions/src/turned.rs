@@ -35,7 +35,7 @@ impl Turned {
     /// With the eigenvalue λ, rows of C − λ are across the eigenvector. With its Rayleigh quotient ρ, any unit vector v that is off by the
     /// angle θ has ‖Cv − ρv‖ ≥ (λ₁ − ρ) sin θ.
     // Into what it is dispatched to; rounding is allowed for where numbers are made use of.
-    #[allow(clippy::inline_always, clippy::cast_possible_truncation)]
+    #[allow(clippy::inline_always, clippy::cast_possible_truncation, clippy::many_single_char_names)]
     #[inline(always)]
     pub(crate) fn of_all<const N: usize>(
         scatters: &[SymmetricMatrix3; N],
@@ -49,34 +49,39 @@ impl Turned {
             }
             (least[lane], middle[lane]) = (bounds[lane].least[1], bounds[lane].middle[0]);
         }
-        let (mut normals, mut offs) = ([[0.0_f32; N]; 3], [f32::INFINITY; N]);
+        let [xx, xy, xz, yy, yz, zz] = c;
+        let (mut x, mut y, mut z, mut off) = ([0.0; N], [0.0; N], [0.0; N], [f64::INFINITY; N]);
+        // Written out, so that all of it is done for several at a time.
         for lane in 0..N {
-            let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|entry: usize| c[entry][lane]);
-            let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
-            let [a, b, c] = [0, 1, 2].map(|i| {
-                let mut row = rows[i].to_array();
-                row[i] -= least[lane];
-                DVec3::from(row)
-            });
-            let mut across = a.cross(b);
-            for other in [b.cross(c), c.cross(a)] {
-                let is_longer = other.length_squared() > across.length_squared();
-                across = DVec3::select(glam::BVec3::splat(is_longer), other, across);
-            }
-            let per_length = 1.0 / across.length();
-            let normal = across * per_length;
-            let turned = DVec3::new(rows[0].dot(normal), rows[1].dot(normal), rows[2].dot(normal));
-            let (quotient, trace) = (normal.dot(turned), xx + yy + zz);
+            let (xx, xy, xz, yy, yz, zz) = (xx[lane], xy[lane], xz[lane], yy[lane], yz[lane], zz[lane]);
+            let (a, b, c) = (xx - least[lane], yy - least[lane], zz - least[lane]);
+            // Products of two rows each: the longest tells most.
+            let (ux, uy, uz) = (xy * yz - xz * b, xz * xy - a * yz, a * b - xy * xy);
+            let (vx, vy, vz) = (b * c - yz * yz, yz * xz - xy * c, xy * yz - b * xz);
+            let (wx, wy, wz) = (yz * xz - c * xy, c * a - xz * xz, xz * xy - yz * a);
+            let [u, v, w] =
+                [ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz];
+            let (px, py, pz, p) = if v > u { (vx, vy, vz, v) } else { (ux, uy, uz, u) };
+            let (px, py, pz, p) = if w > p { (wx, wy, wz, w) } else { (px, py, pz, p) };
+            let per_length = 1.0 / p.sqrt();
+            let (nx, ny, nz) = (px * per_length, py * per_length, pz * per_length);
+            let (tx, ty, tz) =
+                (xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz);
+            let (quotient, trace) = (nx * tx + ny * ty + nz * tz, xx + yy + zz);
             let gap = middle[lane] - quotient;
-            let residual = (turned - normal * quotient).length() + ROUNDING_OF_TRACE * trace;
+            let (rx, ry, rz) = (tx - nx * quotient, ty - ny * quotient, tz - nz * quotient);
+            let residual = (rx * rx + ry * ry + rz * rz).sqrt() + ROUNDING_OF_TRACE * trace;
             // None where they are too close, nor where the length is nothing, or no number.
             let is_known = gap > GAP * trace && per_length < f64::INFINITY;
-            for (normals, x) in normals.iter_mut().zip(normal.to_array()) {
-                normals[lane] = if is_known { x as f32 } else { 0.0 };
-            }
-            offs[lane] = if is_known { (residual / gap + ROUNDING) as f32 } else { f32::INFINITY };
+            x[lane] = if is_known { nx } else { 0.0 };
+            y[lane] = if is_known { ny } else { 0.0 };
+            z[lane] = if is_known { nz } else { 0.0 };
+            off[lane] = if is_known { residual / gap + ROUNDING } else { f64::INFINITY };
         }
-        std::array::from_fn(|lane| Self { normal: normals.map(|of| of[lane]), off: offs[lane] })
+        std::array::from_fn(|lane| Self {
+            normal: [x[lane] as f32, y[lane] as f32, z[lane] as f32],
+            off: off[lane] as f32,
+        })
     }
 
     /// For the errors of points taken so, in units of a squared edge: surfaces may be turned by an angle in radians, and by so many
