@@ -88,7 +88,8 @@ pub(crate) fn used_of(mapper: &Mapper) -> Result<(&VoxelGrid, Used), ExtractErro
 /// A tenth of the median number of points of a cell, and at least 4, so that a plane through a cell is more than its
 /// three points.
 pub(crate) fn tenth_of_median_density(grid: &VoxelGrid) -> u64 {
-    let mut densities: Vec<u64> = grid.iter().map(|cell| cell.density()).collect();
-    densities.sort_unstable();
-    (densities.get(densities.len() / 2).copied().unwrap_or(0) / 10).max(4)
+    let mut densities: Vec<u64> = grid.founded().map(|cell| cell.density()).collect();
+    let middle = densities.len() / 2;
+    let median = if densities.is_empty() { 0 } else { *densities.select_nth_unstable(middle).1 };
+    (median / 10).max(4)
 }

@@ -93,11 +93,13 @@ impl Marks {
         self.before.last().map_or(0, |all| *all as usize)
     }
 
-    /// The number of a mark, if it is one of these.
-    #[inline]
-    fn number(&self, mark: usize) -> Option<usize> {
+    /// How many come before a mark, and whether it is one of these.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn look_up(&self, mark: usize) -> (usize, bool) {
         let (word, bit) = (self.words[mark / 64], 1 << (mark % 64));
-        (word & bit != 0).then(|| (self.before[mark / 64] + (word & (bit - 1)).count_ones()) as usize)
+        ((self.before[mark / 64] + (word & (bit - 1)).count_ones()) as usize, word & bit != 0)
     }
 }
 
@@ -134,7 +136,10 @@ impl<'m> Buckets<'m> {
     }
 
     fn of(&self, mark: usize) -> &[usize] {
-        let Some(number) = self.marks.number(mark) else { return &[] };
+        let (number, is_one) = self.marks.look_up(mark);
+        if !is_one {
+            return &[];
+        }
         let begin = number.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.points[begin..self.ends[number]]
     }
@@ -142,19 +147,42 @@ impl<'m> Buckets<'m> {
 
 /// The number of the mark of each point that has one, and which point it is.
 fn marked(marks: &Marks, points: &[[f64; 3]], first: usize, lattice: Lattice) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    let mut mixes = [0; BATCH];
-    for (batch, points) in points.chunks(BATCH).enumerate() {
-        // The same instructions, for more numbers at a time where the processor can.
-        pulp::Arch::new().dispatch(|| {
+    pulp::Arch::new().dispatch(Marked { marks, points, first, lattice })
+}
+
+/// [`marked`], with the instructions that the processor has.
+struct Marked<'a> {
+    marks: &'a Marks,
+    points: &'a [[f64; 3]],
+    first: usize,
+    lattice: Lattice,
+}
+
+impl pulp::WithSimd for Marked<'_> {
+    type Output = Vec<(usize, usize)>;
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Self { marks, points, first, lattice } = self;
+        let mut found = Vec::new();
+        let (mut mixes, mut some) = ([0; BATCH], [(0, 0); BATCH]);
+        for (batch, points) in points.chunks(BATCH).enumerate() {
             for (mix, point) in mixes.iter_mut().zip(points) {
                 *mix = mixed(point.map(|x| lowest_bits(x * lattice.per_reach)));
             }
-        });
-        let mixes = mixes[..points.len()].iter().zip(first + batch * BATCH..);
-        found.extend(mixes.filter_map(|(mix, at)| Some((marks.number(mark_of(*mix))?, at))));
+            // Written first, and counted if it is one: which are cannot be predicted.
+            let mut count = 0;
+            for (mix, at) in mixes[..points.len()].iter().zip(first + batch * BATCH..) {
+                let (number, is_one) = marks.look_up(mark_of(*mix));
+                some[count % BATCH] = (number, at);
+                count += usize::from(is_one);
+            }
+            found.extend_from_slice(&some[..count]);
+        }
+        found
     }
-    found
 }
 
 // Into what it is dispatched to.
