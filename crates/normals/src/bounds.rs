@@ -58,7 +58,8 @@ impl EigenvalueBounds {
         }
         let at = |lane: usize, x: f64| ((x - trace[lane]) * x + minors[lane]) * x - determinant[lane];
         let slope = |lane: usize, x: f64| (3.0 * x - 2.0 * trace[lane]) * x + minors[lane];
-        // Of what rounding leaves of numbers of this size it is far more. How far above nothing it is, or below, for it to be known of several.
+        // Above zero where the root was passed, by far more than rounding leaves of numbers of this size: a number, for answers of several
+        // lanes are compared at once, and truth values are not.
         let passed_by = |lane: usize, high: f64, slack: f64| {
             let beyond = at(lane, high) - slack * slack * trace[lane];
             if high < trace[lane] / 3.0 { beyond } else { -1.0 }

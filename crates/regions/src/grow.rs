@@ -175,7 +175,7 @@ impl<'a, 'f> Growing<'a, 'f> {
         let found = found.filter(|region| region.fitted.points() >= FEWEST_POINTS)?;
         for cell in found.cells.iter().map(|cell| *cell as usize) {
             self.owned[cell] = true;
-            for (level, held) in field.levels[1..].iter().zip(&mut self.coarser) {
+            for (level, held) in field.levels.iter().skip(1).zip(&mut self.coarser) {
                 held[level.group(cell) as usize].free -= field.cells[cell].points;
             }
         }

@@ -233,8 +233,8 @@ impl Groups {
         }
     }
 
-    /// Gives the groups that touch those of the queue, and may, the part of those, and so on. Appends those to `ends`, in the order in which
-    /// they were reached, that touch some of no part which may not.
+    /// Gives the groups that touch those of the queue, and may, the part of those, and so on. Of all that were reached, those that touch a
+    /// group of no part which may not are appended to `ends`: only from these it can be reached later.
     fn spread(
         &self,
         level: &Level,

@@ -48,8 +48,8 @@ impl Taken {
 impl VoxelGrid {
     /// Adds points with weight 1, faster than one by one and on all threads of the rayon pool, and appends the cell of each
     /// to `cells`: `None` if it was refused. Appends to `places`, if given, where each is from the [anchor](crate::Cell::anchor) of its voxel (of
-    /// its cell, with [`Assignment::ExpectedDistance`]; what is further than 16 bits tell is at their end), in whole [units](Self::place_unit), 0 if
-    /// it was refused.
+    /// its cell, with [`Assignment::ExpectedDistance`], where what is further than 16 bits can tell is as far as they can), in whole
+    /// [units](Self::place_unit), 0 if it was refused.
     ///
     /// Cells, their identities and their sums are those of [`VoxelGrid::insert`] point by point, to the bit, on any number of threads and
     /// however points are handed over. [`Assignment::ExpectedDistance`] depends on the order of points, which are then inserted one by
