@@ -197,19 +197,20 @@ impl Groups {
             parts += 1;
             vec![number(start)]
         };
-        let mut reached: Vec<u32> = Vec::new();
+        let mut ends: Vec<u32> = Vec::new();
         for start in 0..of.len() {
             if self.solid[start] && of[start].is_none() {
                 let first = begin(&mut of, start);
-                self.spread(level, marks, &mut of, first, |place| self.solid[place], &mut reached);
+                self.spread(level, marks, &mut of, first, |place| self.solid[place], &mut ends);
             }
         }
-        let mut ends = Vec::new();
-        self.spread(level, marks, &mut of, reached, |_| true, &mut ends);
+        // From here on all may be reached, so that nothing ends.
+        let none = &mut Vec::new();
+        self.spread(level, marks, &mut of, ends, |_| true, none);
         for start in 0..of.len() {
             if of[start].is_none() {
                 let first = begin(&mut of, start);
-                self.spread(level, marks, &mut of, first, |_| true, &mut ends);
+                self.spread(level, marks, &mut of, first, |_| true, none);
             }
         }
         for group in &self.numbers {
