@@ -6,7 +6,7 @@ use crate::cell::Sums;
 use crate::ends::End;
 use crate::field::Field;
 use crate::flat::Flat;
-use crate::near::{Group, Near, Nearby, Within};
+use crate::near::{Group, Near, Nearby, Several, Within};
 use crate::of_cells::OfCells;
 
 /// Tells of which plane points are, one by one, by the cell and the place of each. Nothing is kept of the points themselves, so that
@@ -174,8 +174,19 @@ impl Labeller {
         let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: (0, 0) };
         let mut cells: Vec<Place> = vec![unknown; of_cells.parts.len()];
         let mut whole = vec![Total::default(); planes.len()];
-        let (mut mixed, mut ends) = (Vec::new(), Vec::new());
         let OfCells { nearby, parts } = of_cells;
+        // Counted first: lists that grow are copied into new memory again and again.
+        let (mut most_near, mut most_ends) = (1, 0);
+        for ((nearby, parts), sums) in nearby.iter().zip(&parts).zip(&field.cells) {
+            match nearby {
+                Nearby::One(_) => most_near += usize::from(parts.whole(sums.points).is_none()),
+                Nearby::Several(Several { near, ends }) => {
+                    (most_near, most_ends) = (most_near + near.len(), most_ends + ends.len());
+                }
+                Nearby::None => {}
+            }
+        }
+        let (mut mixed, mut ends) = (Vec::with_capacity(most_near), Vec::with_capacity(most_ends));
         let of_cells = nearby.into_iter().zip(&parts);
         for (((rank, given), (nearby, parts)), sums) in
             (0..).zip(&field.order).zip(of_cells).zip(&field.cells)
@@ -183,9 +194,7 @@ impl Labeller {
             let mut number = |region: u32| number(rank, region).unwrap_or(NONE);
             let to = &mut cells[*given as usize];
             to.rank = rank;
-            // By the whole sample: shares of the points are rounded.
-            let all = parts.as_slice().iter().find(|part| part.labelled + 0.5 >= sums.points);
-            let plane = all.map_or(NONE, |part| number(part.region));
+            let plane = parts.whole(sums.points).map_or(NONE, |part| number(part.region));
             if let (Some(flat), Some(whole)) = (planes.get(plane as usize), whole.get_mut(plane as usize)) {
                 to.plane = plane;
                 whole.add(&Total::of(sums, origin, flat, units));

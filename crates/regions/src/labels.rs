@@ -54,6 +54,19 @@ pub(crate) struct Piece {
     pub(crate) squares: f64,
 }
 
+/// The places in the list of the pieces of each of so many regions.
+pub(crate) fn by_region(pieces: &[Piece], regions: usize) -> Vec<Vec<u32>> {
+    let mut counts = vec![0; regions];
+    for piece in pieces {
+        counts[piece.region as usize] += 1;
+    }
+    let mut of_each: Vec<Vec<u32>> = counts.into_iter().map(Vec::with_capacity).collect();
+    for (at, piece) in (0..).zip(pieces) {
+        of_each[piece.region as usize].push(at);
+    }
+    of_each
+}
+
 /// The pieces of all cells, as their samples tell. A cell whose whole sample is of one region is of it with all its points.
 pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
     field: &Field,

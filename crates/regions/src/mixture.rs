@@ -282,8 +282,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                     near.ends = (u32::try_from(first).unwrap_or(0), u32::try_from(count).unwrap_or(0));
                     all.push(near);
                 }
-                // A copy has no room to spare.
-                Nearby::Several(Box::new(Several { near: all, ends: here_ends.clone() }))
+                Nearby::Several(Several { near: all.into(), ends: here_ends.as_slice().into() })
             }
         }
     }

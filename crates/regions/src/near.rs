@@ -16,10 +16,10 @@ pub(crate) struct Near {
 }
 
 /// The regions near a cell where there are several, by number.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Several {
-    pub(crate) near: Vec<Near>,
-    pub(crate) ends: Vec<End>,
+    pub(crate) near: Box<[Near]>,
+    pub(crate) ends: Box<[End]>,
 }
 
 /// The regions near a cell.
@@ -27,7 +27,7 @@ pub(crate) struct Several {
 pub(crate) enum Nearby {
     None,
     One(Near),
-    Several(Box<Several>),
+    Several(Several),
 }
 
 impl Near {

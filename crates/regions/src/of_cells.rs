@@ -61,6 +61,11 @@ impl Parts {
         }
     }
 
+    /// That which the whole sample of a cell of so many points is of: shares of the points are rounded.
+    pub(crate) fn whole(&self, points: f64) -> Option<&Part> {
+        self.as_slice().iter().find(|part| part.labelled + 0.5 >= points)
+    }
+
     pub(crate) fn regions(&self) -> impl Iterator<Item = u32> {
         self.as_slice().iter().map(|part| part.region)
     }

@@ -5,7 +5,7 @@ use terrace_normals::symmetric_eigen;
 use terrace_stats::{Stats, UncertainVector};
 
 use crate::field::{COARSE, Field};
-use crate::labels::Piece;
+use crate::labels::{Piece, by_region};
 use crate::level::Level;
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
@@ -56,10 +56,7 @@ pub(crate) fn take_apart(
     fewest: f64,
     share: f64,
 ) -> (Vec<u32>, Vec<u32>) {
-    let mut of_region: Vec<Vec<usize>> = vec![Vec::new(); regions];
-    for (at, piece) in pieces.iter().enumerate() {
-        of_region[piece.region as usize].push(at);
-    }
+    let of_region = by_region(pieces, regions);
     let mut numbers: Vec<u32> = pieces.iter().map(|piece| piece.region).collect();
     let mut from: Vec<u32> = Vec::new();
     let apart = field.levels.iter().enumerate().find_map(|(resolution, level)| {
@@ -68,7 +65,7 @@ pub(crate) fn take_apart(
         let found = of_region.par_iter().map_init(
             || vec![None; level.len()],
             |marks, of| {
-                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at])).without_thin();
+                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at as usize])).without_thin();
                 let parts = groups.parts(level, marks);
                 (groups, parts)
             },
@@ -82,7 +79,7 @@ pub(crate) fn take_apart(
             let of_each = of_region.par_iter().zip(&found).map(|(of, (groups, parts))| {
                 let planes = parts.planes(parts.least(fewest, share)).count();
                 let ranked = of.iter().filter_map(|at| {
-                    let cell = pieces[*at].cell as usize;
+                    let cell = pieces[*at as usize].cell as usize;
                     let place = groups.numbers.binary_search(&level.group(cell)).ok()?;
                     Some((field.keys[cell], parts.of[place]))
                 });
@@ -101,17 +98,20 @@ pub(crate) fn take_apart(
     });
     let Some((level, found)) = apart else { return (numbers, from) };
     for (of, (groups, parts)) in of_region.iter().zip(&found) {
-        let Some(region) = of.first().map(|at| pieces[*at].region) else { continue };
+        let Some(region) = of.first().map(|at| pieces[*at as usize].region) else { continue };
         let mut names: Vec<u32> = vec![region; parts.points.len()];
         for (rank, _) in parts.planes(parts.least(fewest, share)).skip(1) {
             from.push(region);
             // Parts are made of pieces, and those of cells, which are numbered with 32 bits.
             names[rank] = u32::try_from(regions + from.len() - 1).unwrap_or(region);
         }
+        // Pieces follow each other along the curve, and so do groups.
+        let mut rest = groups.numbers.iter().zip(&parts.of).peekable();
         for at in of {
-            let group = level.group(pieces[*at].cell as usize);
-            if let Ok(place) = groups.numbers.binary_search(&group) {
-                numbers[*at] = names[parts.of[place]];
+            let group = level.group(pieces[*at as usize].cell as usize);
+            while rest.next_if(|(number, _)| **number < group).is_some() {}
+            if let Some((_, part)) = rest.peek().filter(|(number, _)| **number == group) {
+                numbers[*at as usize] = names[**part];
             }
         }
     }
@@ -176,9 +176,8 @@ impl Groups {
 
     /// Groups with few points, by what is usual among these, lead to no other part.
     fn without_thin(mut self) -> Self {
-        let mut sorted = self.points.clone();
-        sorted.sort_unstable();
-        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0) as f64;
+        let (mut all, half) = (self.points.clone(), self.points.len() / 2);
+        let usual = if all.is_empty() { 0 } else { *all.select_nth_unstable(half).1 } as f64;
         for (solid, points) in self.solid.iter_mut().zip(&self.points) {
             *solid &= *points as f64 >= FILLED * usual;
         }

@@ -11,7 +11,7 @@ use crate::field::Field;
 use crate::flat::{Fitted, Flat};
 use crate::grow::{Growth, Region as Surface, grow};
 use crate::labeller::{Labeller, Measure};
-use crate::labels::{Piece, Points, pieces};
+use crate::labels::{Piece, Points, by_region, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::surface::Looks;
@@ -220,10 +220,7 @@ impl Grown {
         for (piece, number) in pieces.iter_mut().zip(numbers) {
             piece.region = number;
         }
-        let mut pieces_of: Vec<Vec<u32>> = vec![Vec::new(); surface_of.len()];
-        for (at, piece) in (0..).zip(&pieces) {
-            pieces_of[piece.region as usize].push(at);
-        }
+        let pieces_of = by_region(&pieces, surface_of.len());
         let looks_flat = |region: &Region| {
             let curved = |bend: Bend| {
                 bend.turn > settings.turn
