@@ -184,36 +184,35 @@ impl Groups {
         self
     }
 
-    /// `marks` holds nothing, before and after.
+    /// `marks` holds nothing, before and after: meanwhile the places of groups that are of no part yet.
     fn parts(&self, level: &Level, marks: &mut [Option<u32>]) -> Parts {
         for (place, group) in (0..).zip(&self.numbers) {
             marks[*group as usize] = Some(place);
         }
         let mut of: Vec<Option<usize>> = vec![None; self.numbers.len()];
         let mut parts = 0;
-        let mut begin = |of: &mut [Option<usize>], start: usize| {
+        let mut begin = |marks: &mut [Option<u32>], of: &mut [Option<usize>], queue: &mut Vec<u32>, start| {
             of[start] = Some(parts);
             parts += 1;
-            vec![number(start)]
+            marks[self.numbers[start] as usize] = None;
+            queue.clear();
+            queue.push(number(start));
         };
-        let mut ends: Vec<u32> = Vec::new();
+        let (mut queue, mut ends) = (Vec::with_capacity(of.len()), Vec::new());
         for start in 0..of.len() {
             if self.solid[start] && of[start].is_none() {
-                let first = begin(&mut of, start);
-                self.spread(level, marks, &mut of, first, |place| self.solid[place], &mut ends);
+                begin(marks, &mut of, &mut queue, start);
+                self.spread(level, marks, &mut of, &mut queue, |place| self.solid[place], &mut ends);
             }
         }
         // From here on all may be reached, so that nothing ends.
         let none = &mut Vec::new();
-        self.spread(level, marks, &mut of, ends, |_| true, none);
+        self.spread(level, marks, &mut of, &mut ends, |_| true, none);
         for start in 0..of.len() {
             if of[start].is_none() {
-                let first = begin(&mut of, start);
-                self.spread(level, marks, &mut of, first, |_| true, none);
+                begin(marks, &mut of, &mut queue, start);
+                self.spread(level, marks, &mut of, &mut queue, |_| true, none);
             }
-        }
-        for group in &self.numbers {
-            marks[*group as usize] = None;
         }
         let of: Vec<usize> = of.into_iter().flatten().collect();
         let mut points: Vec<u64> = vec![0; parts];
@@ -238,9 +237,9 @@ impl Groups {
     fn spread(
         &self,
         level: &Level,
-        marks: &[Option<u32>],
+        marks: &mut [Option<u32>],
         of: &mut [Option<usize>],
-        mut queue: Vec<u32>,
+        queue: &mut Vec<u32>,
         may: impl Fn(usize) -> bool,
         ends: &mut Vec<u32>,
     ) {
@@ -249,11 +248,10 @@ impl Groups {
             next += 1;
             let (part, mut is_end) = (of[place as usize], false);
             for near in level.near(self.numbers[place as usize] as usize) {
-                let Some(place) = marks[*near as usize] else { continue };
-                if of[place as usize].is_some() {
-                    continue;
-                }
+                let mark = &mut marks[*near as usize];
+                let Some(place) = *mark else { continue };
                 if may(place as usize) {
+                    *mark = None;
                     of[place as usize] = part;
                     queue.push(place);
                 } else {

@@ -41,10 +41,16 @@ impl Bound {
         Self(u64::from(below.to_bits()) << 32 | u64::from(group))
     }
 
-    fn tilt(self) -> Tilt {
+    /// In the order of tilts.
+    fn above_group(self) -> u32 {
         // The upper half has 32 bits, and so has the lower.
         #[allow(clippy::cast_possible_truncation)]
-        Tilt::of(f32::from_bits((self.0 >> 32) as u32).into())
+        let above = (self.0 >> 32) as u32;
+        above
+    }
+
+    fn tilt(self) -> Tilt {
+        Tilt::of(f32::from_bits(self.above_group()).into())
     }
 
     fn group(self) -> u32 {
@@ -52,6 +58,12 @@ impl Bound {
         let group = self.0 as u32;
         group
     }
+}
+
+/// The surest last, of equals the first; they come in the order of their groups.
+fn sort(bounds: &mut [Bound]) {
+    radsort::sort_by_key(bounds, |bound| bound.above_group());
+    bounds.reverse();
 }
 
 impl Tilt {
@@ -73,7 +85,7 @@ impl Seeds {
             let groups = if is_used(level) { field.levels[level].len() } else { 0 };
             let mut bounds: Vec<Bound> =
                 (0..groups).into_par_iter().with_min_len(1024).filter_map(bound).collect();
-            bounds.sort_unstable_by_key(|bound| Reverse(*bound));
+            sort(&mut bounds);
             bounds
         };
         let bounds = (0..field.levels.len()).into_par_iter().map(of_level).collect();
@@ -123,7 +135,7 @@ mod tests {
                 bounds[group as usize % 3].push(Bound::of(tilt * share, group));
             }
             for bounds in &mut bounds {
-                bounds.sort_unstable_by_key(|bound| Reverse(*bound));
+                sort(bounds);
             }
             let mut seeds = Seeds { bounds, judged: BinaryHeap::new() };
             let judge = |seed: &Seed| {
