@@ -145,13 +145,15 @@ impl Extraction {
     fn of(scans: &[Scan], params: Params, pool: &ThreadPool) -> Outcome<Self> {
         let (before, began) = (Usage::now()?, Instant::now());
         let mut mapper = Mapper::new(params)?;
+        mapper.reserve(scans.iter().map(Scan::len).sum());
         pool.install(|| scans.iter().try_for_each(|scan| mapper.insert(scan).map(drop)))?;
         let gridded = Usage::now()?;
         // From the last scan to the first stage nothing but the threads is made ready.
         let mut begun = vec![(1, before.cpu), (2, gridded.cpu)];
         let mut failed = None;
+        let inserted = mapper.len();
         let map = pool.install(|| {
-            mapper.extract_observed(|stage| match Usage::now() {
+            mapper.into_planes(|stage| match Usage::now() {
                 Ok(now) => begun.push((column(stage), now.cpu)),
                 Err(error) => failed = Some(error),
             })
@@ -165,7 +167,7 @@ impl Extraction {
         for pair in begun.windows(2) {
             stages[pair[0].0] += pair[1].1 - pair[0].1;
         }
-        Ok(Self { stages, clock, peak: end.peak, points: mapper.len(), planes: map.planes.len() })
+        Ok(Self { stages, clock, peak: end.peak, points: inserted, planes: map.planes.len() })
     }
 }
 

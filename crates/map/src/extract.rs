@@ -1,5 +1,7 @@
 //! From the grid to planes.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use terrace_grid::VoxelGrid;
 use terrace_normals::{canonical, fit_plane};
@@ -9,6 +11,7 @@ use terrace_types::{Plane, PlaneId};
 use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::{face_sensors, seen_by};
 use crate::first::First;
+use crate::mapper::{Kept, Tags, in_one_piece, number_of};
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
 use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
@@ -65,19 +68,72 @@ impl Mapper {
             labels.face_by_cells(&mut map);
             return Ok(map);
         }
+        self.extract_kept(Cow::Borrowed(self.kept()), begins)
+    }
+
+    /// [`Mapper::extract_observed`], to the bit, of a map that is not needed any more: labels take the place of what is kept of the points,
+    /// in less memory and time.
+    ///
+    /// ```
+    /// use terrace::{Frame, Mapper, Params, Scan, Sigma};
+    ///
+    /// let floor = (0..10_000).map(|k| [0.02 * f64::from(k % 100), 0.02 * f64::from(k / 100), 0.0]);
+    /// let scan = Scan::new(floor.collect(), Sigma::Uniform(0.005), Frame::World { sensor: None })?;
+    /// let mut mapper = Mapper::new(Params::default())?;
+    /// mapper.insert(&scan)?;
+    /// let map = mapper.into_planes(|stage| println!("{stage:?}"))?;
+    /// assert_eq!((map.planes.len(), map.labels.len()), (1, 10_000));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Mapper::extract`]; the map is gone then, too.
+    pub fn into_planes(mut self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
+        if self.is_streaming() {
+            let (mut map, labels) = self.into_streamed(begins)?;
+            labels.face_by_cells(&mut map);
+            return Ok(map);
+        }
+        let kept = self.take_kept();
+        self.extract_kept(Cow::Owned(kept), begins)
+    }
+
+    /// The planes, and the labels of all points that are kept: in the memory of their cells, if that is given away and in one piece.
+    pub(crate) fn extract_kept(
+        &self,
+        kept: Cow<'_, [Kept]>,
+        begins: impl FnMut(Stage),
+    ) -> Result<PlaneMap, ExtractError> {
         match self.params().grows() {
-            Some(regions) => self.extract_regions(&regions, begins),
-            None => self.extract_clusters(begins),
+            Some(regions) => self.extract_regions(&regions, kept, begins),
+            None => self.extract_clusters(kept, begins),
         }
     }
 
-    /// The planes as clusters, and the labels of all points, which are kept.
-    fn extract_clusters(&self, begins: impl FnMut(Stage)) -> Result<PlaneMap, ExtractError> {
-        let (mut map, plane_of_cell) = self.clusters(begins)?;
-        map.labels = Vec::with_capacity(self.len());
-        for kept in self.kept() {
-            map.labels.par_extend(kept.cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]));
-        }
+    /// The planes as clusters.
+    fn extract_clusters(
+        &self,
+        kept: Cow<'_, [Kept]>,
+        begins: impl FnMut(Stage),
+    ) -> Result<PlaneMap, ExtractError> {
+        let (mut map, plane_of_cell) = self.clusters(&kept, begins)?;
+        map.labels = match in_one_piece(kept) {
+            Ok(Kept { cells, .. }) => {
+                let mut tags = Tags::of(cells);
+                tags.as_mut_slice().par_iter_mut().for_each(|tag| {
+                    let plane = number_of(*tag).and_then(|cell| plane_of_cell[cell as usize]);
+                    *tag = plane.map_or(0, PlaneId::get);
+                });
+                tags.into_labels()
+            }
+            Err(kept) => {
+                let mut labels = Vec::with_capacity(self.len());
+                for kept in kept.iter() {
+                    labels.par_extend(kept.cells.par_iter().map(|cell| plane_of_cell[(*cell)?.index()]));
+                }
+                labels
+            }
+        };
         let seen = seen_by(self.views(), &map.labels, map.planes.len());
         face_sensors(&mut map.planes, &seen, self.views());
         Ok(map)
@@ -86,6 +142,7 @@ impl Mapper {
     /// The planes as clusters, the uncertain ones at the φ of least cost, and the plane of each cell.
     pub(crate) fn clusters(
         &self,
+        kept: &[Kept],
         mut begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, Vec<Option<PlaneId>>), ExtractError> {
         let first = First::cluster(self, &mut begins)?;
@@ -100,7 +157,7 @@ impl Mapper {
             plane_of_cell[cell.index()] = *plane;
         }
         let estimated = self.params().estimate.filter(|_| self.params().by_place()).map(|settings| {
-            let errors = Errors::of(self, nodes.know_errors(grid), settings.floor);
+            let errors = Errors::of(self, kept, nodes.know_errors(grid), settings.floor);
             let cells = Owned { grid, nodes: &nodes, plane_of_cell: &plane_of_cell, tau: used.tau, errors };
             estimate_planes(&mut planes, cells, &plane_of_node)
         });

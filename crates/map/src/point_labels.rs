@@ -7,6 +7,7 @@ use terrace_grid::{CellId, CellIndex, VoxelGrid};
 use terrace_types::{Frame, PlaneId, Scan};
 
 use crate::facing::{Counter, Seen, face_sensors};
+use crate::mapper::Kept;
 use crate::regions::RegionLabels;
 use crate::{ExtractError, Mapper, PlaneMap, Stage};
 
@@ -118,7 +119,8 @@ impl Mapper {
         &self,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, PointLabels<'_>), ExtractError> {
-        let (map, by, _) = self.planes_and_labels(self.fine().map(Cow::Borrowed), begins)?;
+        let (fine, kept) = (self.fine().map(Cow::Borrowed), Cow::Borrowed(self.kept()));
+        let (map, by, _) = self.planes_and_labels(fine, kept, begins)?;
         Ok((map, PointLabels { of: Of::Lent(self), by, counts: true }))
     }
 
@@ -131,11 +133,12 @@ impl Mapper {
         mut self,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, PointLabels<'static>), ExtractError> {
+        let kept = Cow::Owned(self.take_kept());
         let given =
             if self.is_streaming() && self.params().grows().is_some() { self.take_fine() } else { None };
         let (map, by, index) = match given {
-            Some(cells) => self.planes_and_labels(Some(Cow::Owned(cells)), begins)?,
-            None => self.planes_and_labels(self.fine().map(Cow::Borrowed), begins)?,
+            Some(cells) => self.planes_and_labels(Some(Cow::Owned(cells)), kept, begins)?,
+            None => self.planes_and_labels(self.fine().map(Cow::Borrowed), kept, begins)?,
         };
         if index.is_some() {
             self.forget_samples();
@@ -146,12 +149,13 @@ impl Mapper {
     fn planes_and_labels(
         &self,
         cells: Option<Cow<'_, VoxelGrid>>,
+        kept: Cow<'_, [Kept]>,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, By, Option<CellIndex>), ExtractError> {
         let views = self.views().len();
         Ok(match self.params().grows() {
             _ if !self.is_streaming() => {
-                let mut map = self.extract_observed(begins)?;
+                let mut map = self.extract_kept(kept, begins)?;
                 let labels = std::mem::take(&mut map.labels);
                 (map, By::Kept { labels, told: vec![0; views] }, None)
             }
@@ -160,7 +164,7 @@ impl Mapper {
                 (map, By::Regions(Box::new(labels)), index)
             }
             None => {
-                let (map, planes) = self.clusters(begins)?;
+                let (map, planes) = self.clusters(&kept, begins)?;
                 let counter = Counter::new(map.planes.len());
                 (map, By::Cells { planes, counter, seen: vec![Seen::new(); views] }, None)
             }

@@ -65,7 +65,8 @@ pub(crate) fn take_apart(
         let found = of_region.par_iter().map_init(
             || vec![None; level.len()],
             |marks, of| {
-                let groups = Groups::of(level, &held, of.iter().map(|at| &pieces[*at as usize])).without_thin();
+                let groups =
+                    Groups::of(level, &held, of.iter().map(|at| &pieces[*at as usize])).without_thin();
                 let parts = groups.parts(level, marks);
                 (groups, parts)
             },

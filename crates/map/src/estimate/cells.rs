@@ -47,7 +47,7 @@ impl Mapper {
             nodes: &nodes,
             plane_of_cell: &[],
             tau: used.tau,
-            errors: Errors::of(self, known, floor),
+            errors: Errors::of(self, self.kept(), known, floor),
         };
         let mut possible = params.estimate.is_some() && params.by_place();
         if possible && !known {

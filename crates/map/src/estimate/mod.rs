@@ -16,7 +16,7 @@ use terrace_normals::{CovariantPlane, FitTo, estimate as min_max};
 use terrace_stats::{Stats, SymmetricMatrix3};
 use terrace_types::{Plane, PlaneId};
 
-use crate::mapper::View;
+use crate::mapper::{Kept, View};
 use crate::nodes::Nodes;
 use crate::{ExtractedPlane, Mapper};
 
@@ -209,10 +209,11 @@ pub(crate) fn usual_chi_squared(planes: &[ExtractedPlane]) -> f64 {
 }
 
 impl<'m> Errors<'m> {
-    pub(crate) fn of(mapper: &'m Mapper, known: bool, floor: f64) -> Self {
+    /// `kept` is what the map keeps of its points.
+    pub(crate) fn of(mapper: &'m Mapper, kept: &[Kept], known: bool, floor: f64) -> Self {
         let views = mapper.views();
         let matters = |view: &View| view.pose.is_some() || (!known && view.sensor.is_some());
-        let sightings = views.iter().any(matters).then(|| Sightings::of(mapper));
+        let sightings = views.iter().any(matters).then(|| Sightings::of(mapper, kept));
         Self { views, sightings, level: None, directed: None, floor }
     }
 }

@@ -3,6 +3,7 @@
 use terrace_grid::CellId;
 
 use crate::Mapper;
+use crate::mapper::Kept;
 
 /// Some points of a cell, seen in one scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,21 +35,21 @@ pub(crate) struct Sightings {
 }
 
 impl Sightings {
-    /// Of the cells of the grid.
-    pub(crate) fn of(mapper: &Mapper) -> Self {
+    /// Of the cells of the grid. `kept` is what the map keeps of its points.
+    pub(crate) fn of(mapper: &Mapper, kept: &[Kept]) -> Self {
         let cells = mapper.grid().map_or(0, terrace_grid::VoxelGrid::len);
         let coarse = mapper.params().grows().and_then(|_| mapper.coarse());
         let cell_of_grid = |cell: CellId| match coarse {
             None => Some(cell),
             Some(coarse) => coarse.of.get(cell.index()).copied(),
         };
-        Self::grouped(cells, found(mapper, cells, cell_of_grid))
+        Self::grouped(cells, found(mapper, kept, cells, cell_of_grid))
     }
 
     /// Of the cells that points are added to.
     pub(crate) fn of_fine(mapper: &Mapper) -> Self {
         let cells = mapper.fine().map_or(0, terrace_grid::VoxelGrid::len);
-        Self::grouped(cells, found(mapper, cells, Some))
+        Self::grouped(cells, found(mapper, mapper.kept(), cells, Some))
     }
 
     fn grouped(cells: usize, mut found: Vec<(u32, Sighting)>) -> Self {
@@ -80,26 +81,32 @@ impl Sightings {
 }
 
 /// What views saw of the cells that `cell_of` makes of those that points are added to; a cell may come several times.
-fn found(mapper: &Mapper, cells: usize, cell_of: impl Fn(CellId) -> Option<CellId>) -> Vec<(u32, Sighting)> {
+fn found(
+    mapper: &Mapper,
+    kept: &[Kept],
+    cells: usize,
+    cell_of: impl Fn(CellId) -> Option<CellId>,
+) -> Vec<(u32, Sighting)> {
     match mapper.seen() {
         Some(seen) => seen
             .all(mapper.views().len().saturating_sub(1))
             .filter_map(|(cell, sighting)| Some((u32::try_from(cell_of(cell)?.index()).ok()?, sighting)))
             .collect(),
-        None => counted_now(mapper, cells, cell_of),
+        None => counted_now(mapper, kept, cells, cell_of),
     }
 }
 
 /// The same of points that are kept.
 fn counted_now(
     mapper: &Mapper,
+    kept: &[Kept],
     cells: usize,
     cell_of: impl Fn(CellId) -> Option<CellId>,
 ) -> Vec<(u32, Sighting)> {
     let mut counts = vec![0_u32; cells];
     let mut touched: Vec<u32> = Vec::new();
     let mut found: Vec<(u32, Sighting)> = Vec::new();
-    let mut rest = mapper.kept().iter().flat_map(|kept| &kept.cells).map(|cell| cell.and_then(&cell_of));
+    let mut rest = kept.iter().flat_map(|kept| &kept.cells).map(|cell| cell.and_then(&cell_of));
     for (view, seen) in (0..).zip(mapper.views()) {
         for cell in rest.by_ref().take(seen.points).flatten() {
             let Some(count) = counts.get_mut(cell.index()) else { continue };

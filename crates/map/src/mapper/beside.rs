@@ -57,7 +57,8 @@ struct Behind<'m> {
 impl Mapper {
     /// Adds points with weight 1.
     pub(super) fn add_beside(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
-        let mut kept = self.kept_of(scan.len());
+        let mut kept = self.lend_kept(scan.len());
+        let before = kept.cells.len();
         let matters = self.sightings_matter(scan);
         let keeps = self.seen.is_none();
         let grows = self.params.grows().is_some();
@@ -81,9 +82,7 @@ impl Mapper {
         let line = Line::new(scan.len().div_ceil(AT_ONCE), ROOM);
         rayon::join(|| line.work([CELLS, WORLD, BEHIND], step), || line.work([BEHIND, WORLD, CELLS], step));
         let taken = front.into_inner().unwrap_or_else(PoisonError::into_inner).taken;
-        if keeps {
-            self.kept.push(kept);
-        }
+        self.give_back(kept, if taken.is_ok() { usize::MAX } else { before });
         Ok(taken?)
     }
 }

@@ -116,8 +116,15 @@ impl Mapper {
 
     /// Adds points with weight 1, many at once.
     fn add_all(&mut self, scan: &Scan) -> Result<Taken, InsertError> {
+        let mut kept = self.lend_kept(scan.len());
+        let before = kept.cells.len();
+        let taken = self.add_and_keep(scan, &mut kept);
+        self.give_back(kept, if taken.is_ok() { usize::MAX } else { before });
+        Ok(taken?)
+    }
+
+    fn add_and_keep(&mut self, scan: &Scan, kept: &mut Kept) -> Result<Taken, GridError> {
         let mut all = Taken::default();
-        let mut kept = self.kept_of(scan.len());
         let matters = self.sightings_matter(scan);
         let Some(grid) = &mut self.fine else { return Ok(all) };
         let grows = self.params.grows().is_some();
@@ -148,9 +155,6 @@ impl Mapper {
                 samples.push_all(|at| number(cells[at]), &kept.places[begin..]);
             }
         }
-        if self.seen.is_none() {
-            self.kept.push(kept);
-        }
         Ok(all)
     }
 
@@ -160,21 +164,27 @@ impl Mapper {
         !self.spares || self.views.last().is_some_and(|view| view.pose.is_some()) || !states_errors(scan)
     }
 
-    /// Room for what is kept of so many points of the last scan: as much as that is, where they are.
-    pub(super) fn kept_of(&self, points: usize) -> Kept {
-        let room = if self.seen.is_some() { 0 } else { points };
-        let places = if self.params.grows().is_some() { room } else { 0 };
-        Kept {
-            cells: Vec::with_capacity(room),
-            places: Vec::with_capacity(places),
-            view: self.views.len().saturating_sub(1),
+    /// Room for what is kept of so many points more, behind what was kept last if that has it. It is to be [given back](Self::give_back).
+    pub(super) fn lend_kept(&mut self, points: usize) -> Kept {
+        match self.kept.pop_if(|kept| kept.has_room(points)) {
+            Some(kept) => kept,
+            None if self.seen.is_some() => Kept::default(),
+            None => Kept::of(points, self.params.grows().is_some()),
+        }
+    }
+
+    /// Keeps what is kept of points, up to so many; where they are forgotten nothing.
+    pub(super) fn give_back(&mut self, mut kept: Kept, points: usize) {
+        kept.truncate(points);
+        if self.seen.is_none() {
+            self.kept.push(kept);
         }
     }
 
     /// Adds points that weigh what they tell, one by one.
     fn add_weighted(&mut self, scan: &Scan) -> Taken {
         let mut taken = Taken::default();
-        let mut kept = self.kept_of(scan.len());
+        let mut kept = self.lend_kept(scan.len());
         let Some(grid) = &mut self.fine else { return taken };
         for point in scan.world_points() {
             let added = point.map(|point| {
@@ -191,7 +201,7 @@ impl Mapper {
             }
             kept.cells.push(added.and_then(Result::ok));
         }
-        self.kept.push(kept);
+        self.give_back(kept, usize::MAX);
         taken
     }
 }

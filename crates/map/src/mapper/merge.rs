@@ -127,11 +127,9 @@ impl Mapper {
             let of_other = Sightings::of_fine(other);
             seen.append(views, cells.iter().zip((0..).map(|cell| of_other.of_cell(cell))));
         } else {
-            let views = self.views.len();
             self.kept.extend(other.kept.iter().map(|kept| Kept {
                 cells: kept.cells.iter().map(|cell| cell.and_then(renumbered)).collect(),
                 places: kept.places.clone(),
-                view: views + kept.view,
             }));
         }
         self.views.extend_from_slice(&other.views);

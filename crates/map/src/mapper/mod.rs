@@ -3,6 +3,7 @@
 mod beside;
 mod builder;
 mod insert;
+mod kept;
 mod line;
 mod merge;
 mod parts;
@@ -17,6 +18,7 @@ use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
 
 pub use builder::{MapBuilder, PartsError};
+pub(crate) use kept::{Kept, Tags, in_one_piece, number_of, tag};
 pub use merge::MergeError;
 pub use parts::{MapCell, MapParts};
 pub use view::View;
@@ -32,7 +34,7 @@ pub struct Mapper {
     coarse: OnceLock<Option<Coarse>>,
     /// Some points of each fine cell, where regions are grown.
     samples: Option<Samples>,
-    /// One for each scan, or chunk of it: in parts, so that nothing is moved when more come.
+    /// In parts, so that nothing is moved when more come; nothing where points are forgotten.
     kept: Vec<Kept>,
     /// What each view saw of which cell, where points are not kept.
     seen: Option<Seen>,
@@ -48,17 +50,6 @@ pub(crate) struct Coarse {
     pub(crate) grid: VoxelGrid,
     /// For each fine cell, the one it is a part of.
     pub(crate) of: Vec<CellId>,
-}
-
-/// What is kept of the points of a scan, or of a chunk of it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Kept {
-    /// The fine cell; `None` for points that were left out.
-    pub(crate) cells: Vec<Option<CellId>>,
-    /// Where it is, from the centre of its voxel in whole units, where labels are those of points.
-    pub(crate) places: Vec<[i16; 3]>,
-    /// The number of the scan.
-    pub(crate) view: usize,
 }
 
 /// What became of the points of a scan.
@@ -127,6 +118,15 @@ impl Mapper {
         Ok(())
     }
 
+    /// Makes room for what is kept of so many more points in one piece, in which [`Mapper::into_planes`] then labels them; that of a single
+    /// scan is in one piece anyway. Where points are [forgotten](Self::streaming) nothing happens.
+    pub fn reserve(&mut self, points: usize) {
+        let has_room = self.kept.last().is_some_and(|kept| kept.has_room(points));
+        if !self.is_streaming() && !has_room {
+            self.kept.push(Kept::of(points, self.params.grows().is_some()));
+        }
+    }
+
     /// The parameters as given.
     pub fn params(&self) -> &Params {
         &self.params
@@ -173,6 +173,11 @@ impl Mapper {
 
     pub(crate) fn kept(&self) -> &[Kept] {
         &self.kept
+    }
+
+    /// Takes away what is kept of the points.
+    pub(crate) fn take_kept(&mut self) -> Vec<Kept> {
+        std::mem::take(&mut self.kept)
     }
 
     /// What each view saw, where points are not kept.

@@ -44,7 +44,13 @@ impl Places {
     /// The place among the cells of a cell of the grid.
     #[inline]
     pub(crate) fn of(&self, cell: CellId) -> Option<u32> {
-        if self.0.is_empty() { u32::try_from(cell.index()).ok() } else { *self.0.get(cell.index())? }
+        self.of_number(u32::try_from(cell.index()).ok()?)
+    }
+
+    /// As [`of`](Self::of), by the number of the cell.
+    #[inline]
+    pub(crate) fn of_number(&self, cell: u32) -> Option<u32> {
+        if self.0.is_empty() { Some(cell) } else { *self.0.get(cell as usize)? }
     }
 }
 

@@ -4,13 +4,14 @@ mod coplanar;
 mod directed;
 mod error_level;
 mod fine;
+mod kept;
 mod streamed;
 mod tallies;
 
 use std::borrow::Cow;
 
 use rayon::prelude::*;
-use terrace_grid::{CellId, CellIndex, VoxelGrid};
+use terrace_grid::{CellIndex, VoxelGrid};
 use terrace_normals::{UncertainNormal, canonical};
 use terrace_regions::{Found, Grown as Surfaces, Labeller, Measure, Region};
 use terrace_stats::{Moments, UncertainVector};
@@ -19,8 +20,8 @@ use terrace_types::{Plane, PlaneId};
 use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::{Seen, face_sensors};
 use crate::first::used_of;
+use crate::mapper::Kept;
 use crate::nodes::Nodes;
-use crate::packed::unpacked;
 use crate::{
     CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
 };
@@ -28,11 +29,11 @@ use crate::{
 use coplanar::joined;
 use fine::{Fine, Places};
 pub(crate) use streamed::RegionLabels;
-use tallies::{Borrowed, Measures, Tallies};
+use tallies::{Borrowed, Measures};
 
 /// A cell is of a plane when that share of its points is: what else it holds would pull at the covariance.
 const MOSTLY: f64 = 0.9;
-/// Points that are labelled by a thread at once.
+/// Points whose labels change by a thread at once.
 const AT_ONCE: usize = 1 << 13;
 
 /// Regions of a map, before their points are labelled.
@@ -50,15 +51,16 @@ pub(crate) struct Grown<'m> {
 }
 
 impl Mapper {
-    /// The planes as regions, and the labels of all points, which are kept.
+    /// The planes as regions, and the labels of all points, of which these are kept.
     pub(crate) fn extract_regions(
         &self,
         settings: &Regions,
+        kept: Cow<'_, [Kept]>,
         mut begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
-        let mut grown = Grown::of(self, self.fine().map(Cow::Borrowed), settings, &mut begins)?;
+        let mut grown = Grown::of(self, self.fine().map(Cow::Borrowed), &kept, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
-        let (mut labels, by_view) = grown.label_kept();
+        let (mut labels, by_view) = grown.label_kept(kept);
         let measures = summed(&by_view, grown.found.regions.len());
         let numbers = grown.found.by_measures(&measures);
         let number = |old: usize| PlaneId::from_index((*numbers.get(old)?)? as usize);
@@ -92,10 +94,12 @@ pub(crate) fn renumbered(by_view: &[Measures], numbers: &[Option<PlaneId>]) -> V
 }
 
 impl<'m> Grown<'m> {
-    /// Of the fine cells of a map: sums of cells that are given away are forgotten once regions can grow without them.
+    /// Of the fine cells of a map, and what it keeps of its points: sums of cells that are given away are forgotten once
+    /// regions can grow without them.
     pub(crate) fn of(
         mapper: &'m Mapper,
         cells: Option<Cow<'_, VoxelGrid>>,
+        kept: &[Kept],
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<Self, ExtractError> {
@@ -112,7 +116,7 @@ impl<'m> Grown<'m> {
         begins(Stage::Grow { cells: grid.len() });
         let floor = mapper.params().estimate.unwrap_or_default().floor;
         let known = nodes.know_errors(grid);
-        let mut errors = Errors::of(mapper, known, floor);
+        let mut errors = Errors::of(mapper, kept, known, floor);
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
         let mut field = fine.field(&cells)?;
         if known {
@@ -135,46 +139,6 @@ impl<'m> Grown<'m> {
         };
         let used = Used { grown: Some(grown), ..used };
         Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, index, found })
-    }
-
-    /// The labels of all points that are kept, and what they measure, view by view.
-    fn label_kept(&self) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
-        let tallies = Tallies::default();
-        let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
-        let mut by_view = vec![Measures::new(); self.mapper.views().len()];
-        for kept in self.mapper.kept() {
-            let first = labels.len();
-            // On all threads: memory that is used for the first time is handed out by the system page by page.
-            labels.par_extend(rayon::iter::repeat_n(None, kept.cells.len()));
-            self.label(&kept.cells, &kept.places, &mut labels[first..], &tallies);
-            if let Some(of_view) = by_view.get_mut(kept.view) {
-                tallies.add_to(of_view);
-            }
-        }
-        (labels, by_view)
-    }
-
-    /// The labels of points, and what they measure.
-    fn label(
-        &self,
-        cells: &[Option<CellId>],
-        places: &[[i16; 3]],
-        labels: &mut [Option<PlaneId>],
-        tallies: &Tallies,
-    ) {
-        let parts =
-            cells.par_chunks(AT_ONCE).zip(places.par_chunks(AT_ONCE)).zip(labels.par_chunks_mut(AT_ONCE));
-        let unit = self.mapper.fine().map_or(1.0, VoxelGrid::place_unit);
-        let labeller = &self.found.labeller;
-        parts.for_each_init(
-            || tallies.borrow(labeller),
-            |tally, ((cells, packed), labels)| {
-                let points = cells.iter().zip(unpacked(packed, unit)).zip(labels);
-                label_each(labeller, &self.fine.places, points, tally, |region| {
-                    PlaneId::from_index(region as usize)
-                });
-            },
-        );
     }
 
     /// The planes with their covariances, joined where that is asked for.
@@ -231,16 +195,15 @@ struct Planes {
     of_cells: Vec<Option<PlaneId>>,
 }
 
-/// Labels points by their cells and places, and measures them by their regions. `number` is the plane of a region.
-fn label_each<'p>(
+/// Labels points by their cells and places, and measures them by their regions.
+fn label_each<P>(
     labeller: &Labeller,
-    places: &Places,
-    points: impl Iterator<Item = ((&'p Option<CellId>, [f32; 3]), &'p mut Option<PlaneId>)>,
+    points: impl Iterator<Item = ((Option<u32>, [f32; 3]), P)>,
     measured: &mut Borrowed<'_>,
-    number: impl Fn(u32) -> Option<PlaneId>,
+    label: impl FnMut(P, Option<u32>),
 ) {
-    let points = points.map(|((cell, place), label)| (cell.and_then(|cell| places.of(cell)), place, label));
-    labeller.label_into(points, &mut measured.tally, |label, found| *label = found.and_then(&number));
+    let points = points.map(|((cell, place), point)| (cell, place, point));
+    labeller.label_into(points, &mut measured.tally, label);
 }
 
 /// What the points of all views measure together, by region.

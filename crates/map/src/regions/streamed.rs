@@ -36,7 +36,7 @@ impl Mapper {
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, RegionLabels, Option<CellIndex>), ExtractError> {
-        let grown = Grown::of(self, cells, settings, &mut begins)?;
+        let grown = Grown::of(self, cells, self.kept(), settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let regions = grown.found.regions.len();
         let Planes { map, joined, labeller, places, index, of_cells } = grown.planes();
@@ -61,8 +61,9 @@ impl RegionLabels {
         tally: &mut Borrowed<'_>,
     ) {
         let number = |region: u32| self.numbers.get(region as usize).copied().flatten();
-        let points = cells.iter().zip(places.iter().copied()).zip(labels);
-        label_each(&self.labeller, &self.places, points, tally, number);
+        let points =
+            cells.iter().map(|cell| self.places.of((*cell)?)).zip(places.iter().copied()).zip(labels);
+        label_each(&self.labeller, points, tally, |label, found| *label = found.and_then(number));
     }
 
     /// What points measure that were labelled since the last time is that of points of a view; of no view, if they are not to count.

@@ -1,6 +1,6 @@
 //! Maps that grow.
 
-use terrace::{Mapper, Params, Stage};
+use terrace::{Join, Mapper, Params, PoseNoise, Scan, Sigma, Stage, Weighting};
 use terrace_synth::Scene;
 
 use crate::common::{PRESETS, bits, check_sound, map_of, scans};
@@ -64,4 +64,54 @@ fn stages_are_told_in_order_with_their_sizes() {
     let cells = found.cell_counts.occupied;
     let points = found.labels.len();
     assert_eq!(stages, [Stage::Normals { cells }, Stage::Grow { cells }, Stage::Label { points }]);
+}
+
+/// The planes of a map, which are the same when it is given away.
+fn given_away(mapper: Mapper) {
+    let mut told = Vec::new();
+    let found = mapper.extract_observed(|stage| told.push(stage)).unwrap();
+    assert!(!found.planes.is_empty());
+    let mut again = Vec::new();
+    let given = mapper.into_planes(|stage| again.push(stage)).unwrap();
+    assert_eq!(bits(&given), bits(&found));
+    assert_eq!(again, told);
+}
+
+#[test]
+fn a_map_that_is_given_away_has_the_same_planes() {
+    let scans = scans(&Scene::room(), 40_000, 6);
+    let total: usize = scans.iter().map(|scan| scan.scan.len() + scans[0].scan.len()).sum();
+    let joined = || {
+        let mut params = Params::default();
+        params.regions.as_mut().unwrap().join = Join::Coplanar;
+        params
+    };
+    let weighted = || Params { weighting: Weighting::Information, ..Params::default() };
+    for params in [Params::default(), Params::clusters(), joined(), weighted()] {
+        // In one piece, in as many as scans, and in two which a scan is in.
+        for room in [total, 0, total - scans[13].scan.len() / 2] {
+            let mut mapper = Mapper::new(params).unwrap();
+            mapper.reserve(room);
+            for (number, scan) in scans.iter().enumerate() {
+                let pose = (number % 2 == 1).then(|| PoseNoise::from_degrees(0.01, 0.5).unwrap());
+                mapper.insert_from(&scan.scan, pose).unwrap();
+                mapper.insert_more(&scans[0].scan).unwrap();
+            }
+            given_away(mapper.clone());
+            let mut both = mapper.clone();
+            if both.merge(&mapper).is_ok() {
+                given_away(both);
+            }
+        }
+        if params.by_place() {
+            let mut mapper = Mapper::streaming(params).unwrap();
+            scans.iter().for_each(|scan| drop(mapper.insert(&scan.scan).unwrap()));
+            given_away(mapper);
+        }
+    }
+    // One scan, whose errors are not known.
+    let points = scans[0].scan.points().to_vec();
+    let mut mapper = Mapper::new(Params::default()).unwrap();
+    mapper.insert(&Scan::new(points, Sigma::Unknown, scans[0].scan.frame()).unwrap()).unwrap();
+    given_away(mapper);
 }

@@ -1,0 +1,94 @@
+//! Labels of points that are kept.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use rayon::prelude::*;
+use terrace_grid::VoxelGrid;
+use terrace_types::PlaneId;
+
+use super::tallies::{Measures, Tallies};
+use super::{AT_ONCE, Grown, label_each};
+use crate::mapper::{Kept, Tags, View, in_one_piece, number_of, tag};
+use crate::packed::unpacked;
+
+impl Grown<'_> {
+    /// The labels of all points, of which these are kept, and what they measure, view by view. They are in the memory of their cells, if that
+    /// is given away and in one piece.
+    pub(super) fn label_kept(&self, kept: Cow<'_, [Kept]>) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+        match in_one_piece(kept) {
+            Ok(kept) => self.label_in_place(kept),
+            Err(kept) => self.label_beside(&kept),
+        }
+    }
+
+    fn label_beside(&self, kept: &[Kept]) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+        let (labeller, unit) = (&self.found.labeller, self.unit());
+        let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
+        let points: Vec<usize> = kept.iter().map(|kept| kept.places.len()).collect();
+        let by_view = self.by_view(&points, |part, range, tallies| {
+            let first = labels.len();
+            // On all threads: memory that is used for the first time is handed out by the system page by page.
+            labels.par_extend(rayon::iter::repeat_n(None, range.len()));
+            let Kept { cells, places } = &kept[part];
+            let cells = cells[range.clone()].par_chunks(AT_ONCE);
+            let places = places[range].par_chunks(AT_ONCE);
+            let all = cells.zip(places).zip(labels[first..].par_chunks_mut(AT_ONCE));
+            let begin = || tallies.borrow(labeller);
+            all.for_each_init(begin, |tally, ((cells, places), labels)| {
+                let cells = cells.iter().map(|cell| self.fine.places.of((*cell)?));
+                let points = cells.zip(unpacked(places, unit)).zip(labels);
+                label_each(labeller, points, tally, |label, region| {
+                    *label = region.and_then(|region| PlaneId::from_index(region as usize));
+                });
+            });
+        });
+        (labels, by_view)
+    }
+
+    fn label_in_place(&self, kept: Kept) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+        let (labeller, unit) = (&self.found.labeller, self.unit());
+        let Kept { cells, places } = kept;
+        let mut tags = Tags::of(cells);
+        let by_view = self.by_view(&[places.len()], |_, range, tallies| {
+            let places = places[range.clone()].par_chunks(AT_ONCE);
+            let tags = tags.as_mut_slice()[range].par_chunks_mut(AT_ONCE);
+            let begin = || tallies.borrow(labeller);
+            tags.zip(places).for_each_init(begin, |tally, (tags, places)| {
+                let cell = |tag: u32| self.fine.places.of_number(number_of(tag)?);
+                let points = tags.iter_mut().zip(unpacked(places, unit));
+                let points = points.map(|(tag, place)| ((cell(*tag), place), tag));
+                label_each(labeller, points, tally, |label, region| *label = tag(region));
+            });
+        });
+        (tags.into_labels(), by_view)
+    }
+
+    /// What the points of each view measure, once `label` has labelled those of a part at these places in it: views follow each other in
+    /// parts of so many points.
+    fn by_view(
+        &self,
+        parts: &[usize],
+        mut label: impl FnMut(usize, Range<usize>, &Tallies),
+    ) -> Vec<Measures> {
+        let (tallies, mut part, mut first) = (Tallies::default(), 0, 0);
+        let measures = |view: &View| {
+            let mut left = view.points;
+            while let Some(points) = parts.get(part).filter(|_| left > 0) {
+                let end = (first + left).min(*points);
+                label(part, first..end, &tallies);
+                left -= end - first;
+                (part, first) = if end == *points { (part + 1, 0) } else { (part, end) };
+            }
+            let mut measures = Measures::new();
+            tallies.add_to(&mut measures);
+            measures
+        };
+        self.mapper.views().iter().map(measures).collect()
+    }
+
+    /// What places are whole multiples of, in metres.
+    fn unit(&self) -> f64 {
+        self.mapper.fine().map_or(1.0, VoxelGrid::place_unit)
+    }
+}
