@@ -172,7 +172,7 @@ fn push(
 ) {
     let (mut endure, mut taken) = ([0; BATCH], [(0, 0); BATCH]);
     for (number, places) in places.chunks(BATCH).enumerate() {
-        unit.endure_some(places, &mut endure);
+        unit.endure(places, &mut endure[..places.len()]);
         // Whether a place stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
         // is little and near.
         let mut count = 0;

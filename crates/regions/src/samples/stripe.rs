@@ -179,14 +179,16 @@ impl Kept {
 
     fn halve(&mut self, halvings: &mut u8, more: &mut More, unit: Unit) {
         *halvings += 1;
-        let (few, others) = (unit.endure(&self.few), unit.endure(more));
+        let (mut all, mut endure) = ([[0; 3]; ROOM], [0; ROOM]);
+        all[..FEW].copy_from_slice(&self.few);
+        all[FEW..].copy_from_slice(more);
+        unit.endure(&all, &mut endure);
         // Into other memory, and back at once: what was just written in pieces is waited for when it is read as a whole.
         let (mut kept, mut count) = ([[0; 3]; ROOM + 1], 0);
-        let all = self.few.iter().zip(&few).chain(more.iter().zip(&others));
-        all.take(self.count()).for_each(|(place, endures)| {
+        for (place, endures) in all.iter().zip(&endure).take(self.count()) {
             kept[count] = *place;
             count += usize::from(*endures >= *halvings);
-        });
+        }
         self.few.copy_from_slice(&kept[..FEW]);
         more.copy_from_slice(&kept[FEW..ROOM]);
         // Not more than before.

@@ -6,6 +6,12 @@ const ROUNDING: f32 = 1.5 * (1_u32 << 23) as f32;
 /// Places that are packed at once: they stay in the nearest cache.
 const BATCH: usize = 256;
 
+/// Places that are scrambled at once.
+const LANES: usize = 16;
+/// What the bits of coordinates are multiplied by, and turned left.
+const SPREAD: [[u32; 3]; LANES] = [[0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35]; LANES];
+const TURN: [[u32; 3]; LANES] = [[0, 11, 22]; LANES];
+
 /// A place in whole units.
 pub(crate) type Packed = [i16; 3];
 
@@ -61,6 +67,29 @@ impl Unit {
         packed.cast_signed()
     }
 
+    /// [`endures`], of places that fill whole vectors: coordinate by coordinate as they lie, and together only then.
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn endure_all(self, packed: &[Packed; LANES]) -> [u8; LANES] {
+        let mut each = [[0; 3]; LANES];
+        let places = each.as_flattened_mut().iter_mut().zip(packed.as_flattened());
+        let spread = SPREAD.as_flattened().iter().zip(TURN.as_flattened());
+        for ((to, packed), (spread, turn)) in places.zip(spread) {
+            let product = (f32::from(*packed) * self.unit).to_bits().wrapping_mul(*spread);
+            // Turned left by so many bits, none too.
+            *to = product << turn | product >> 1 >> (31 - turn);
+        }
+        let mut halvings = [0; LANES];
+        for (to, [x, y, z]) in halvings.iter_mut().zip(&each) {
+            // No number has more than 32 bits.
+            #[allow(clippy::cast_possible_truncation)]
+            let zeros = mixed(x ^ y ^ z).leading_zeros() as u8;
+            *to = zeros;
+        }
+        halvings
+    }
+
     /// Packs places, several at a time, and appends them.
     pub(super) fn pack(self, places: &[[f32; 3]], to: &mut Vec<Packed>) {
         let mut batch = [[0; 3]; BATCH];
@@ -73,16 +102,35 @@ impl Unit {
         }
     }
 
-    /// As [`endure`](Self::endure), so many as there are.
-    pub(super) fn endure_some(self, packed: &[Packed], to: &mut [u8]) {
-        pulp::Arch::new().dispatch(|| {
-            to.iter_mut().zip(packed).for_each(|(to, packed)| *to = endures(self.unpacked(*packed)));
-        });
-    }
-
     /// How many halvings places [endure](endures), several at a time.
-    pub(super) fn endure<const N: usize>(self, packed: &[Packed; N]) -> [u8; N] {
-        pulp::Arch::new().dispatch(|| packed.map(|packed| endures(self.unpacked(packed))))
+    pub(super) fn endure(self, packed: &[Packed], to: &mut [u8]) {
+        pulp::Arch::new().dispatch(Endure { unit: self, packed, to });
+    }
+}
+
+/// [`Unit::endure`], in whole vectors.
+struct Endure<'a> {
+    unit: Unit,
+    packed: &'a [Packed],
+    to: &'a mut [u8],
+}
+
+impl pulp::WithSimd for Endure<'_> {
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { unit, packed, to } = self;
+        let (all, rest) = packed.as_chunks::<LANES>();
+        let (to_all, to_rest) = to.as_chunks_mut::<LANES>();
+        for (to, packed) in to_all.iter_mut().zip(all) {
+            *to = unit.endure_all(packed);
+        }
+        for (to, packed) in to_rest.iter_mut().zip(rest) {
+            *to = endures(unit.unpacked(*packed));
+        }
     }
 }
 
@@ -102,9 +150,18 @@ pub(super) fn endures(place: [f32; 3]) -> u8 {
 #[allow(clippy::inline_always)]
 #[inline(always)]
 pub(super) fn scrambled([x, y, z]: [f32; 3]) -> u32 {
-    let mix = x.to_bits().wrapping_mul(0x9e37_79b9)
-        ^ y.to_bits().wrapping_mul(0x85eb_ca6b).rotate_left(11)
-        ^ z.to_bits().wrapping_mul(0xc2b2_ae35).rotate_left(22);
+    let ([[a, b, c], ..], [[i, j, k], ..]) = (SPREAD, TURN);
+    mixed(
+        x.to_bits().wrapping_mul(a).rotate_left(i)
+            ^ y.to_bits().wrapping_mul(b).rotate_left(j)
+            ^ z.to_bits().wrapping_mul(c).rotate_left(k),
+    )
+}
+
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn mixed(mix: u32) -> u32 {
     let mix = (mix ^ mix >> 15).wrapping_mul(0x2c1b_3c6d);
     mix ^ mix >> 16
 }
@@ -133,17 +190,13 @@ mod tests {
             let unit = Unit::new(unit);
             let (mut all, mut some) = (vec![[7; 3]], [0; 40]);
             unit.pack(&places, &mut all);
-            unit.endure_some(&all[1..], &mut some);
-            let mut fixed = [[0; 3]; 40];
-            fixed[..places.len()].copy_from_slice(&all[1..]);
-            let again = unit.endure(&fixed);
+            unit.endure(&all[1..], &mut some[..places.len()]);
             for (at, place) in places.iter().enumerate() {
                 let packed = unit.packed(*place);
                 prop_assert_eq!(all[at + 1], packed);
                 let near = unit.unpacked(packed);
                 prop_assert_eq!(unit.packed(near), packed);
                 prop_assert_eq!(some[at], endures(near));
-                prop_assert_eq!(again[at], endures(near));
                 for (x, near) in place.iter().zip(near) {
                     // A unit that is no power of two is rounded itself.
                     prop_assert!((x - near).abs() <= 0.51 * unit.metres());
