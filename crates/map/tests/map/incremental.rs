@@ -105,7 +105,9 @@ fn a_map_that_is_given_away_has_the_same_planes() {
         }
         if params.by_place() {
             let mut mapper = Mapper::streaming(params).unwrap();
-            scans.iter().for_each(|scan| drop(mapper.insert(&scan.scan).unwrap()));
+            for scan in &scans {
+                mapper.insert(&scan.scan).unwrap();
+            }
             given_away(mapper);
         }
     }
