@@ -28,36 +28,40 @@ pub(crate) struct Looks {
     pub(crate) area: f64,
 }
 
-/// How many columns of single cells are covered; a wide one covers four, from its own on.
-fn covered(columns: impl Iterator<Item = ([i32; 2], bool)>) -> usize {
-    let of_each = |([a, b], is_wide): ([i32; 2], bool)| {
-        let all = [[a, b], [a + 1, b], [a, b + 1], [a + 1, b + 1]];
-        all.into_iter().take(if is_wide { 4 } else { 1 })
+/// Columns of cells by their keys, and their numbers in the order in which they are met.
+type Numbers = HashMap<[i32; 2], usize, FixedState>;
+
+/// How many columns of single cells are covered. `is_wide` tells by number whether a wide cell is in a column: it covers four, from this one
+/// on, whose keys are even.
+fn covered(columns: &Numbers, is_wide: &[bool]) -> usize {
+    let of_each = |([a, b], number): (&[i32; 2], &usize)| {
+        let is_wide = |number: &usize| is_wide[*number];
+        if is_wide(number) {
+            return 4;
+        }
+        usize::from(!columns.get(&[a & !1, b & !1]).is_some_and(is_wide))
     };
-    let mut covered: Vec<[i32; 2]> = columns.flat_map(of_each).collect();
-    covered.sort_unstable();
-    covered.dedup();
-    covered.len()
+    columns.iter().map(of_each).sum()
 }
 
 impl Looks {
     pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
         let normal = fitted.plane.normal;
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
-        let pieces: Vec<&Piece> = pieces.collect();
         let column_of = |piece: &Piece| {
             let key = field.keys[piece.cell as usize];
             [key[(axis + 1) % 3], key[(axis + 2) % 3]]
         };
-        // In the order in which they are met.
-        let mut numbers: HashMap<[i32; 2], usize, FixedState> = HashMap::default();
+        let mut numbers = Numbers::default();
         let (mut all, mut squares) = (0, 0.0);
-        let mut columns: Vec<Sum> = Vec::new();
-        for piece in &pieces {
+        let (mut columns, mut is_wide): (Vec<Sum>, Vec<bool>) = (Vec::new(), Vec::new());
+        for piece in pieces {
             let number = *numbers.entry(column_of(piece)).or_insert(columns.len());
             if number == columns.len() {
                 columns.push(Sum::default());
+                is_wide.push(false);
             }
+            is_wide[number] |= field.is_wide(piece.cell as usize);
             let anchor = field.anchors[piece.cell as usize] - fitted.plane.point;
             let points = f64::from(piece.points);
             if let Some(column) = columns.get_mut(number) {
@@ -67,11 +71,7 @@ impl Looks {
             all += u64::from(piece.points);
             squares += piece.squares;
         }
-        let covered = if pieces.iter().any(|piece| field.is_wide(piece.cell as usize)) {
-            covered(pieces.iter().map(|piece| (column_of(piece), field.is_wide(piece.cell as usize))))
-        } else {
-            columns.len()
-        };
+        let covered = if is_wide.contains(&true) { covered(&numbers, &is_wide) } else { columns.len() };
         let area = covered as f64 * field.edge * field.edge / normal[axis].abs();
         let [u, v] = fitted.fit.axes.map(DVec3::from);
         let column = |sum: &Sum| {
@@ -91,5 +91,30 @@ impl Looks {
     /// How the surface is bent, with this variance of a point's error along the normal, in m².
     pub(crate) fn bend(&self, variance: f64) -> Option<Bend> {
         Bend::of(&self.columns, variance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #[test]
+        fn columns_are_covered_once(
+            cells in prop::collection::vec((prop::array::uniform2(-4..4_i32), any::<bool>()), 0..40),
+        ) {
+            let (mut numbers, mut wide, mut all) = (Numbers::default(), Vec::new(), BTreeSet::new());
+            for (key, is_wide) in cells {
+                let key = if is_wide { key.map(|k| k & !1) } else { key };
+                let number = *numbers.entry(key).or_insert(wide.len());
+                wide.resize(wide.len().max(number + 1), false);
+                wide[number] |= is_wide;
+                let wide = if is_wide { 4 } else { 1 };
+                all.extend((0..wide).map(|step| [key[0] + step % 2, key[1] + step / 2]));
+            }
+            prop_assert_eq!(covered(&numbers, &wide), all.len());
+        }
     }
 }
