@@ -15,7 +15,7 @@ pub struct Cell {
     /// Its place in the lattice of cubic cells.
     pub key: [i32; 3],
     /// Whether it has twice the edge: it is in the place of all eight cells whose keys differ from its own in the lowest bits only, and
-    /// none of these is there.
+    /// none of these is there. Its sums are then from its middle.
     pub is_wide: bool,
     /// Its points, each with weight 1, and what is known of their errors.
     pub stats: Stats,

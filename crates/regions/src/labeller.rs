@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::cell::Sums;
+use crate::cube::Cube;
 use crate::ends::End;
 use crate::field::Field;
 use crate::flat::Flat;
@@ -170,6 +171,9 @@ impl Labeller {
         mut number: impl FnMut(u32, u32) -> Option<u32>,
         planes: Vec<Flat>,
     ) -> Self {
+        // As places are.
+        #[allow(clippy::cast_possible_truncation)]
+        let single = reach as f32;
         let (units, origin) = (Units::of(field.edge), anchors.first().copied().unwrap_or(DVec3::ZERO));
         let unknown = Place { normal: [0.0; 3], offset: f32::NAN, plane: NONE, rank: 0, mixed: (0, 0) };
         let mut cells: Vec<Place> = vec![unknown; of_cells.parts.len()];
@@ -206,22 +210,29 @@ impl Labeller {
                 continue;
             }
             let first = mixed.len();
-            for near in nearby.regions() {
+            let cube = Cube::of(field, rank as usize, anchors[rank as usize]);
+            for near in nearby.regions().iter().filter(|near| !cube.is_beyond(near, single)) {
                 let at = near.ends.0.saturating_add(place_of(&ends));
                 mixed.push(Near { region: number(near.region), ends: (at, near.ends.1), ..*near });
             }
-            if mixed[first..].iter().all(|near| near.region == NONE) {
-                mixed.truncate(first);
-                continue;
+            match mixed[first..] {
+                [near] if near.region == plane && plane != NONE => {
+                    (to.normal, to.offset) = (near.normal, near.offset);
+                    mixed.truncate(first);
+                    continue;
+                }
+                ref left if left.iter().all(|near| near.region == NONE) => {
+                    mixed.truncate(first);
+                    continue;
+                }
+                _ => {}
             }
             to.mixed = (place_of(&mixed[..first]), place_of(&mixed[first..]));
             if let Nearby::Several(several) = nearby {
                 ends.extend(several.ends);
             }
         }
-        // As places are.
-        #[allow(clippy::cast_possible_truncation)]
-        Self { reach: reach as f32, cells, anchors, mixed, ends, origin, planes, whole, units }
+        Self { reach: single, cells, anchors, mixed, ends, origin, planes, whole, units }
     }
 
     /// The number of the plane that a point is of; `None` for a point of no plane, and of a cell that does not exist. `cell` is its

@@ -72,6 +72,7 @@ mod anchored;
 mod around;
 mod bend;
 mod cell;
+mod cube;
 mod ends;
 mod error;
 mod exact;

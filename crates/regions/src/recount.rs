@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::cube::Cube;
 use crate::mixture::Mixture;
 use crate::near::{Near, Nearby};
 use crate::of_cells::{OfCells, Part, Parts};
@@ -60,13 +61,23 @@ impl<'s> Work<'s> {
         nearby: &[Nearby],
     ) {
         let Self { cells, samples, points, packed, places, starts, .. } = self;
-        let (edge, reach) = (mixture.field.edge, mixture.settings.reach);
+        let field = mixture.field;
+        // As places are.
+        #[allow(clippy::cast_possible_truncation)]
+        let reach = mixture.settings.reach as f32;
         cells.clear();
         samples.clear();
         points.clear();
         for (at, nearby) in nearby.iter().enumerate() {
-            if mixture.field.is_wide(first + at) && !is_known(nearby, edge, reach) {
-                let all = mixture.field.cells[first + at].points;
+            let is_known = || match nearby {
+                Nearby::None => true,
+                Nearby::One(near) => {
+                    Cube::of(field, first + at, field.anchors[first + at]).is_within(near, reach)
+                }
+                Nearby::Several(_) => false,
+            };
+            if field.is_wide(first + at) && !is_known() {
+                let all = field.cells[first + at].points;
                 for (sample, of_part) in (mixture.samples)(first + at).of_parts(all) {
                     samples.push(sample);
                     points.push(of_part);
@@ -109,17 +120,5 @@ impl<'s> Work<'s> {
         }
         parts.retain(|part| part.labelled > 0.0);
         (all > 0.0).then(|| Parts::of(parts))
-    }
-}
-
-/// Whether it is known without a look at samples what the points of a cell are of: all lie within this of the anchor along each axis.
-fn is_known(nearby: &Nearby, within: f64, reach: f64) -> bool {
-    match nearby {
-        Nearby::None => true,
-        Nearby::One(near) => {
-            let across: f32 = near.normal.iter().map(|x| x.abs()).sum();
-            f64::from(near.offset.abs()) + f64::from(across) * within <= reach
-        }
-        Nearby::Several(_) => false,
     }
 }

@@ -1,0 +1,81 @@
+//! Where the points of a cell can be.
+
+use glam::DVec3;
+
+use crate::field::Field;
+use crate::near::Near;
+
+/// What rounding, of places too, may add to a distance, as a share of it.
+const ROUNDING: f32 = 1e-3;
+
+/// A cube that all points of a cell are in, seen from the anchor of the cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cube {
+    middle: [f32; 3],
+    /// From the middle to a face.
+    half: f32,
+}
+
+impl Cube {
+    pub(crate) fn of(field: &Field, cell: usize, anchor: DVec3) -> Self {
+        // The anchor of a wide cell is its middle. The points of others are no farther from their mean than the cell is wide.
+        let middle = if field.is_wide(cell) { DVec3::ZERO } else { field.cells[cell].mean - anchor };
+        // As places are.
+        #[allow(clippy::cast_possible_truncation)]
+        let (middle, half) = (middle.to_array().map(|x| x as f32), field.edge as f32);
+        Self { middle, half }
+    }
+
+    /// Whether all points are within the reach of a region: no standard errors.
+    pub(crate) fn is_within(&self, near: &Near, reach: f32) -> bool {
+        let (middle, half) = self.errors(near);
+        (middle + half) * (1.0 + ROUNDING) <= reach
+    }
+
+    /// Whether none is.
+    pub(crate) fn is_beyond(&self, near: &Near, reach: f32) -> bool {
+        let (middle, half) = self.errors(near);
+        middle > (reach + half) * (1.0 + ROUNDING)
+    }
+
+    /// How far the middle is from a region, and how much farther a corner can be, in standard errors.
+    fn errors(&self, near: &Near) -> (f32, f32) {
+        let ([a, b, c], [x, y, z]) = (near.normal, self.middle);
+        let middle = a * x + b * y + c * z + near.offset;
+        (middle.abs(), (a.abs() + b.abs() + c.abs()) * self.half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_plane_beside_a_cube_is_beyond() {
+        let near = Near { region: 0, normal: [100.0, 0.0, 0.0], offset: -20.0, prior: 0.0, ends: (0, 0) };
+        let cube = Cube { middle: [0.1, 0.0, 0.0], half: 0.05 };
+        // From 5 to 15 errors away.
+        assert!(!cube.is_beyond(&near, 5.1) && cube.is_beyond(&near, 4.9));
+        assert!(!cube.is_within(&near, 14.9) && cube.is_within(&near, 15.1));
+        let unknown = Near { offset: f32::NAN, ..near };
+        assert!(!cube.is_beyond(&unknown, 5.0) && !cube.is_within(&unknown, 5.0));
+    }
+
+    proptest! {
+        #[test]
+        fn points_are_where_the_cube_says(
+            normal in prop::array::uniform3(-200.0..200.0_f32),
+            middle in prop::array::uniform3(-0.1..0.1_f32),
+            point in prop::array::uniform3(-1.0..=1.0_f32),
+            (offset, half, reach) in (-60.0..60.0_f32, 0.0..0.2_f32, 0.0..8.0_f32),
+        ) {
+            let near = Near { region: 0, normal, offset, prior: 0.0, ends: (0, 0) };
+            let cube = Cube { middle, half };
+            let point = [0, 1, 2].map(|i| middle[i] + half * point[i]);
+            let reached = near.errors(point, reach).is_some();
+            prop_assert!(!(cube.is_beyond(&near, reach) && reached));
+            prop_assert!(!cube.is_within(&near, reach) || reached);
+        }
+    }
+}
