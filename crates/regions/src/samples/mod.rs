@@ -8,7 +8,7 @@ mod units;
 use rayon::prelude::*;
 
 use crate::SampleError;
-use stripe::{MOST, MOST_HALVINGS, Stripe};
+use stripe::{MOST, MOST_HALVINGS, ROOM, Stripe};
 use units::{Packed, Unit, endures};
 
 pub use sample::Sample;
@@ -148,8 +148,11 @@ impl Samples {
     fn merge_into(&self, stripe: &mut Stripe, at: usize, cell: u32) {
         let (from, there) = home(cell);
         let Some(halvings) = self.stripes[from].halvings(there) else { return };
-        for place in self.of(cell) {
-            stripe.push(at, self.unit.packed(place), endures(place), self.unit);
+        let (packed, count) = self.sample(cell).packed();
+        let mut endure = [0; ROOM];
+        self.unit.endure(&packed, &mut endure);
+        for (place, endures) in packed.iter().zip(endure).take(count) {
+            stripe.push(at, *place, endures, self.unit);
         }
         // What was left out of it is left out of the whole.
         stripe.halve(at, halvings, self.unit);

@@ -1,6 +1,6 @@
 //! The sample of one cell.
 
-use super::stripe::{FEW, More, ROOM};
+use super::stripe::{FEW, More, ROOM, all_of};
 use super::together::Together;
 use super::units::{Packed, Unit};
 
@@ -68,6 +68,11 @@ impl<'s> Sample<'s> {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
+    }
+
+    /// All that there may be, and how many of them are places of points.
+    pub(super) fn packed(&self) -> ([Packed; ROOM], usize) {
+        (all_of(self.few, self.more), self.count.into())
     }
 
     /// Appends the packed places to a list.

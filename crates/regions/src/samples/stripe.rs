@@ -159,6 +159,15 @@ impl Stripe {
     }
 }
 
+/// All places of a cell that there may be.
+pub(super) fn all_of(few: &[Packed; FEW], more: &More) -> [Packed; ROOM] {
+    let mut all = [[0; 3]; ROOM];
+    let (first, others) = all.split_at_mut(FEW);
+    first.copy_from_slice(few);
+    others.copy_from_slice(more);
+    all
+}
+
 impl Kept {
     const NONE: Self = Self { more: NONE, count: 0, few: [[0; 3]; FEW] };
 
@@ -179,9 +188,7 @@ impl Kept {
 
     fn halve(&mut self, halvings: &mut u8, more: &mut More, unit: Unit) {
         *halvings += 1;
-        let (mut all, mut endure) = ([[0; 3]; ROOM], [0; ROOM]);
-        all[..FEW].copy_from_slice(&self.few);
-        all[FEW..].copy_from_slice(more);
+        let (all, mut endure) = (all_of(&self.few, more), [0; ROOM]);
         unit.endure(&all, &mut endure);
         // Into other memory, and back at once: what was just written in pieces is waited for when it is read as a whole.
         let (mut kept, mut count) = ([[0; 3]; ROOM + 1], 0);
