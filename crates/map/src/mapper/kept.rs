@@ -21,6 +21,14 @@ impl Kept {
         Self { cells: Vec::with_capacity(points), places }
     }
 
+    /// The same, if the system has it.
+    pub(super) fn try_of(points: usize, places: bool) -> Option<Self> {
+        let mut kept = Self::default();
+        kept.cells.try_reserve_exact(points).ok()?;
+        kept.places.try_reserve_exact(if places { points } else { 0 }).ok()?;
+        Some(kept)
+    }
+
     /// Whether there is room for so many more.
     pub(super) fn has_room(&self, points: usize) -> bool {
         self.cells.capacity() - self.cells.len() >= points

@@ -119,11 +119,11 @@ impl Mapper {
     }
 
     /// Makes room for what is kept of so many more points in one piece, in which [`Mapper::into_planes`] then labels them; that of a single
-    /// scan is in one piece anyway. Where points are [forgotten](Self::streaming) nothing happens.
+    /// scan is in one piece anyway. Where points are [forgotten](Self::streaming), or there is no such room, nothing happens.
     pub fn reserve(&mut self, points: usize) {
         let has_room = self.kept.last().is_some_and(|kept| kept.has_room(points));
         if !self.is_streaming() && !has_room {
-            self.kept.push(Kept::of(points, self.params.grows().is_some()));
+            self.kept.extend(Kept::try_of(points, self.params.grows().is_some()));
         }
     }
 

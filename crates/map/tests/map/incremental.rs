@@ -88,8 +88,8 @@ fn a_map_that_is_given_away_has_the_same_planes() {
     };
     let weighted = || Params { weighting: Weighting::Information, ..Params::default() };
     for params in [Params::default(), Params::clusters(), joined(), weighted()] {
-        // In one piece, in as many as scans, and in two which a scan is in.
-        for room in [total, 0, total - scans[13].scan.len() / 2] {
+        // In one piece, in as many as scans, in two which a scan is in, and where there is no such room.
+        for room in [total, 0, total - scans[13].scan.len() / 2, usize::MAX] {
             let mut mapper = Mapper::new(params).unwrap();
             mapper.reserve(room);
             for (number, scan) in scans.iter().enumerate() {
