@@ -49,14 +49,13 @@ impl Errors {
     pub(crate) fn found(tiles: &[Moments], camera: &Camera) -> Self {
         // A raw unit is the least that two depths differ by.
         let least = camera.unit * camera.unit / 12.0;
-        let scatter = |sum: &Moments| {
-            let fitted = of_tile(sum)?;
+        let scatter = |_: &Moments, fitted: &Fitted| {
             let depth = fitted.plane.point.z;
             let slope = fitted.plane.normal.dot(fitted.plane.point) / depth;
             let seen = slope.abs() >= STEEPEST && depth > 0.0;
             seen.then(|| [depth, (fitted.thickness / (slope * slope)).max(least)])
         };
-        let mut all: Vec<[f64; 2]> = some(tiles).filter_map(scatter).collect();
+        let mut all: Vec<[f64; 2]> = some(tiles, scatter);
         all.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let size = all.len().div_ceil(STEPS).max(FEWEST_TILES);
         let step = |tiles: &mut [[f64; 2]]| {
@@ -72,12 +71,11 @@ impl Errors {
 
 /// What the variances of stated errors are to be multiplied by: more than 1 where even the flatter tiles scatter by more.
 pub(crate) fn scale_of(tiles: &[Moments]) -> f64 {
-    let ratio = |sum: &Moments| {
-        let fitted = of_tile(sum)?;
+    let ratio = |sum: &Moments, fitted: &Fitted| {
         let stated = sum.mean_noise()?.quadratic_form(fitted.plane.normal.to_array());
         (stated > 0.0).then(|| fitted.thickness / stated)
     };
-    let mut all: Vec<f64> = some(tiles).filter_map(ratio).collect();
+    let mut all: Vec<f64> = some(tiles, ratio);
     if all.len() < FEWEST_TILES {
         return 1.0;
     }
@@ -92,16 +90,18 @@ fn place(len: usize) -> usize {
     (QUANTILE * len as f64) as usize
 }
 
-/// A share of the tiles that tells of all.
-fn some(tiles: &[Moments]) -> impl Iterator<Item = &Moments> {
-    tiles.iter().step_by(EVERY)
-}
-
-/// The plane of a tile that is full enough, whatever its errors.
-fn of_tile(sum: &Moments) -> Option<Fitted> {
+/// What is found of a share of the tiles, which tells of all: of those that are full enough, with the planes of these, whatever their
+/// errors.
+fn some<T>(tiles: &[Moments], of: impl Fn(&Moments, &Fitted) -> Option<T>) -> Vec<T> {
     let any = Noise { scale: 0.0, floor: f64::MIN_POSITIVE.sqrt() };
     let full = FULL * (TILE * TILE) as f64;
-    if sum.weight() < full { None } else { Fitted::of(sum, any) }
+    let full: Vec<&Moments> = tiles.iter().step_by(EVERY).filter(|sum| sum.weight() >= full).collect();
+    let mut found = Vec::with_capacity(full.len());
+    let mut sums = full.iter();
+    Fitted::of_all(full.iter().copied(), any, |fitted| {
+        found.extend(sums.next().zip(fitted.as_ref()).and_then(|(sum, fitted)| of(sum, fitted)));
+    });
+    found
 }
 
 /// The variance at a depth: straight between the square roots of those around it, and by the square of the depth beyond them.

@@ -117,7 +117,7 @@ impl PlaneFinder {
         let (planes, numbers) = self.numbered(&found, &looks, &counts, noise, least);
         Ok(DepthPlanes {
             planes,
-            labels: self.labels.iter().map(|label| numbers[*label as usize]).collect(),
+            labels: pulp::Arch::new().dispatch(Renumbered { labels: &self.labels, numbers }),
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
             points: points as usize,
             noise_scale: noise.scale,
@@ -240,5 +240,25 @@ impl PlaneFinder {
             }
         }
         (planes, numbers)
+    }
+}
+
+/// The labels of pixels by the numbers of planes: a type, for a closure of this length would not become a part of what is dispatched to.
+struct Renumbered<'a> {
+    labels: &'a [u32],
+    numbers: Vec<Option<PlaneId>>,
+}
+
+impl pulp::WithSimd for Renumbered<'_> {
+    type Output = Vec<Option<PlaneId>>;
+
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let mut numbers = self.numbers;
+        // So that no place is beyond the last for sure, and several are looked up at once.
+        numbers.resize(numbers.len().next_power_of_two(), None);
+        let last = numbers.len() - 1;
+        self.labels.iter().map(|label| numbers[*label as usize & last]).collect()
     }
 }

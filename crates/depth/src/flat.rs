@@ -1,13 +1,15 @@
 //! Planes of sums, and how well they fit.
 
 use glam::DVec3;
-use terrace_normals::{PlaneFit, fit_plane};
+use terrace_normals::{PlaneFit, fit_plane, fit_planes};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 
 /// A neighbourhood with fewer points says too little.
 const FEWEST: f64 = 8.0;
+/// Planes that are fitted side by side.
+const AT_ONCE: usize = 8;
 /// Rounding of a bound, as a share of it.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// A plane by a point and its unit normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,11 +22,6 @@ impl Flat {
     #[inline]
     pub(crate) fn distance(&self, place: DVec3) -> f64 {
         self.normal.dot(place - self.point)
-    }
-
-    /// The angle between two planes, whichever way their normals point, in radians.
-    pub(crate) fn angle(&self, other: &Self) -> f64 {
-        self.normal.cross(other.normal).length().atan2(self.normal.dot(other.normal).abs())
     }
 }
 
@@ -41,7 +38,13 @@ impl Noise {
     /// Variance of the error of a point along a direction, in m², by the mean covariance of errors and the depth.
     #[inline]
     pub(crate) fn variance(&self, noise: &SymmetricMatrix3, depth: f64, direction: DVec3) -> f64 {
-        (self.scale * noise.quadratic_form(direction.to_array())).max((self.floor * depth).powi(2))
+        (self.scale * noise.quadratic_form(direction.to_array())).max(self.least(depth))
+    }
+
+    /// The least that it is at a depth.
+    #[inline]
+    pub(crate) fn least(&self, depth: f64) -> f64 {
+        (self.floor * depth).powi(2)
     }
 }
 
@@ -64,11 +67,33 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// `None` when the points are too few or determine no plane.
     pub(crate) fn of(sum: &Moments, noise: Noise) -> Option<Self> {
-        let points = sum.weight();
-        if points < FEWEST {
-            return None;
+        let enough = sum.weight() >= FEWEST;
+        let fit = fit_plane(&enough.then(|| stats(sum))?).ok()?;
+        Self::by(sum, &fit, noise)
+    }
+
+    /// The same of many, several at a time, one after the other to `put`.
+    pub(crate) fn of_all<'m>(
+        sums: impl Iterator<Item = &'m Moments>,
+        noise: Noise,
+        mut put: impl FnMut(Option<Self>),
+    ) {
+        let mut sums = sums.fuse();
+        loop {
+            let taken: [Option<&Moments>; AT_ONCE] = std::array::from_fn(|_| sums.next());
+            if taken[0].is_none() {
+                return;
+            }
+            let fits = fit_planes(&taken.map(|sum| stats(sum.unwrap_or(&Moments::EMPTY))));
+            for (sum, fit) in taken.iter().flatten().zip(&fits) {
+                let fit = fit.as_ref().ok().filter(|_| sum.weight() >= FEWEST);
+                put(fit.and_then(|fit| Self::by(sum, fit, noise)));
+            }
         }
-        let fit = fit_plane(&stats(sum)).ok()?;
+    }
+
+    fn by(sum: &Moments, fit: &PlaneFit, noise: Noise) -> Option<Self> {
+        let points = sum.weight();
         let plane = Flat { normal: fit.normal.into(), point: fit.centroid.into() };
         let (errors, depth) = (sum.mean_noise()?, plane.point.z);
         let variance = noise.variance(&errors, depth, plane.normal);
@@ -77,7 +102,7 @@ impl Fitted {
         let tilt = (thickness.max(variance) / (points * fit.variances[1])).sqrt();
         (variance > 0.0 && tilt.is_finite()).then_some(Self {
             plane,
-            fit,
+            fit: *fit,
             points,
             variance,
             thickness,
@@ -144,13 +169,32 @@ pub(crate) fn least_tilt(sum: &Moments, noise: Noise, chi_squared: f64) -> Optio
     (!tilt.is_nan()).then_some(tilt)
 }
 
-/// Whether the plane through the points is turned by less than an angle against another for sure, by the sine squared.
-pub(crate) fn is_along(sum: &Moments, plane: &Flat, sine_squared: f64) -> bool {
-    sum.covariance().is_some_and(|scatter| {
-        let [trace, minors, _] = scatter.invariants();
-        let off = scatter.quadratic_form(plane.normal.to_array());
-        // λ₁ λ₂ = m − λ₀ (λ₁ + λ₂), λ₀ ≤ nᵀCn and λ₂ ≤ t.
-        let across = (minors - off * trace) / trace;
-        off <= sine_squared * across * (1.0 - ROUNDING)
-    })
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use terrace_stats::UncertainVector;
+
+    proptest! {
+        #[test]
+        fn planes_of_many_are_those_one_by_one(
+            all in prop::collection::vec(prop::collection::vec(prop::array::uniform3(0.5..2.0_f64), 0..20), 0..20),
+        ) {
+            let sums: Vec<Moments> = all
+                .iter()
+                .map(|points| {
+                    let mut sum = Moments::EMPTY;
+                    for point in points {
+                        sum.push(&UncertainVector::isotropic(*point, 0.01));
+                    }
+                    sum
+                })
+                .collect();
+            let noise = Noise { scale: 1.5, floor: 1e-3 };
+            let mut found = Vec::new();
+            Fitted::of_all(sums.iter(), noise, |fitted| found.push(format!("{fitted:?}")));
+            let expected: Vec<String> = sums.iter().map(|sum| format!("{:?}", Fitted::of(sum, noise))).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
 }

@@ -1,27 +1,23 @@
 //! Regions of tiles that lie on one plane.
 
+use std::ops::Range;
+
 use terrace_stats::Moments;
 
-use crate::around::Arounds;
-use crate::flat::{Fitted, Flat, Noise, is_along, least_tilt};
+use crate::around::{Arounds, TURNED};
+use crate::flat::{Fitted, Flat, Noise};
 use crate::pyramid::{LEVELS, Level, near};
+use crate::strips::{STRIP, Strips, Told};
 use crate::tile::Tile;
 
 /// A seed's points may scatter by this, in units of the variance of their errors.
-const SEED_CHI_SQUARED: f64 = 2.0;
+pub(crate) const SEED_CHI_SQUARED: f64 = 2.0;
 /// A seed's orientation is known to this, in radians.
 const SEED_TILT: f64 = 0.05;
 /// A seed's points scatter across their longer direction by this share of the variance along it.
 const SEED_WIDTH: f64 = 0.1;
 /// This share of a seed, and of what it touches, is of no region yet.
 const SEED_FREE: f64 = 0.5;
-/// The mean squared distance of a tile's points from the plane, in units of the variance of their errors, and what few
-/// points tell, in standard errors of that.
-const SLACK: f64 = 1.5;
-const SIGNIFICANT: f64 = 3.0;
-/// The surface at a tile may be turned against the plane by this, in radians, and by so many standard errors.
-const TURNED: f64 = 0.3;
-const TURNED_ERRORS: f64 = 3.0;
 /// A plane is fitted and grown again so many times at most.
 const ROUNDS: usize = 12;
 /// Scatter of the tiles of a region that is usual where errors are all there is, and the most that is allowed for, both in units
@@ -31,6 +27,9 @@ const MOST_SPREAD: f64 = 3.0;
 /// Regions of fewer tiles or points are none.
 const FEWEST_TILES: usize = 3;
 const FEWEST_POINTS: f64 = 64.0;
+
+/// Room for so many tiles of a region to begin with.
+const MANY: usize = 256;
 
 /// Tiles that lie on one plane and hang together.
 #[derive(Debug, Clone)]
@@ -45,6 +44,12 @@ pub(crate) struct Region {
 struct Seed {
     level: usize,
     group: usize,
+}
+
+/// Tiles side by side.
+struct Rectangle {
+    columns: Range<usize>,
+    rows: Range<usize>,
 }
 
 /// The tiles of an image.
@@ -63,18 +68,49 @@ pub(crate) struct Growing<'a, 't> {
     /// points are all there is.
     allowed: f64,
     arounds: &'a mut Arounds<'t>,
-    /// Whether a tile is of a region already.
-    owned: Vec<bool>,
+    /// By tile, all points, and those that are of no region yet.
+    points: Vec<u32>,
+    free: Vec<u32>,
+    /// The tiles of each strip that are of no region yet, bit by bit.
+    unowned: Vec<u8>,
+    strips: &'a Strips,
+    /// What a strip told of the plane that grows, and when.
+    told: Vec<(u32, Told)>,
+    /// The square of the sine of [`TURNED`].
+    sine_squared: f64,
     /// By level and group, when it was last reached.
     reached: [Vec<u32>; LEVELS],
     clock: u32,
+    /// Room for groups that are to be looked at.
+    queue: Vec<usize>,
 }
 
 impl<'a, 't> Growing<'a, 't> {
-    pub(crate) fn of(image: Image<'t>, arounds: &'a mut Arounds<'t>, allowed: f64) -> Self {
+    pub(crate) fn of(
+        image: Image<'t>,
+        strips: &'a Strips,
+        arounds: &'a mut Arounds<'t>,
+        allowed: f64,
+    ) -> Self {
         let reached = image.levels.each_ref().map(|level| vec![0; level.around.len()]);
-        let owned = vec![false; image.tiles.len()];
-        Self { image, noise: arounds.noise(), allowed, arounds, owned, reached, clock: 0 }
+        // No image has as many pixels as 32 bits can count.
+        let count = |sum: &Moments| u32::try_from(sum.count()).unwrap_or(u32::MAX);
+        let points: Vec<u32> = image.sums.iter().map(count).collect();
+        Self {
+            image,
+            noise: arounds.noise(),
+            allowed,
+            arounds,
+            free: points.clone(),
+            points,
+            unowned: vec![u8::MAX; strips.len()],
+            strips,
+            told: vec![(0, Told::default()); strips.len()],
+            sine_squared: TURNED.sin().powi(2),
+            reached,
+            clock: 0,
+            queue: Vec::new(),
+        }
     }
 
     /// Grows regions until no certain place is left: from the largest groups of tiles that are flat to the smallest, the surest of each
@@ -82,14 +118,7 @@ impl<'a, 't> Growing<'a, 't> {
     pub(crate) fn all(&mut self) -> Vec<Region> {
         let mut regions: Vec<Region> = Vec::new();
         for level in (0..LEVELS).rev() {
-            let mut seeds: Vec<(f64, usize, Flat)> = (0..self.reached[level].len())
-                .filter_map(|group| {
-                    let fitted = self.judge(Seed { level, group })?;
-                    Some((fitted.tilt, group, fitted.plane))
-                })
-                .collect();
-            seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, group, plane) in seeds {
+            for (_, group, plane) in self.seeds(level) {
                 let seed = Seed { level, group };
                 // Since it was judged, a region may have taken it.
                 if self.is_free(seed) {
@@ -106,8 +135,7 @@ impl<'a, 't> Growing<'a, 't> {
         regions.sort_by(|a, b| b.fitted.points.total_cmp(&a.fitted.points));
         let mut again = Vec::with_capacity(regions.len());
         for region in &regions {
-            let tiles = region.tiles.iter().copied();
-            if self.have_room(tiles) {
+            if self.have_room(region.tiles.iter().map(|tile| *tile as usize)) {
                 let plane = region.fitted.plane;
                 let spread = self.spread(&region.tiles, &plane);
                 again.extend(self.settled(region.seed, plane, spread, region.tiles.len()));
@@ -116,44 +144,54 @@ impl<'a, 't> Growing<'a, 't> {
         again
     }
 
-    /// The plane at a seed; `None` when it cannot begin a region.
-    fn judge(&mut self, seed: Seed) -> Option<Fitted> {
-        let around = &self.image.levels[seed.level].around[seed.group];
-        let bound = least_tilt(around, self.noise, SEED_CHI_SQUARED)?;
-        if bound > SEED_TILT || !self.is_free(seed) {
-            return None;
-        }
-        let fitted = self.arounds.get(seed.level, seed.group)?;
-        let is_sure = fitted.tilt <= SEED_TILT && fitted.is_flat(SEED_CHI_SQUARED, SEED_WIDTH);
-        is_sure.then_some(*fitted)
+    /// Groups that can begin a region, with how sure their orientation is and their planes, the surest first.
+    fn seeds(&mut self, level: usize) -> Vec<(f64, usize, Flat)> {
+        let may_begin = |group: &usize| {
+            let bound = self.arounds.bound(level, *group);
+            bound.is_some_and(|bound| bound <= SEED_TILT) && self.is_free(Seed { level, group: *group })
+        };
+        let groups: Vec<usize> = (0..self.reached[level].len()).filter(may_begin).collect();
+        self.arounds.fit(level, groups.iter().copied());
+        let judged = |group: usize| {
+            let fitted = self.arounds.get(level, group)?;
+            let is_sure = fitted.tilt <= SEED_TILT && fitted.is_flat(SEED_CHI_SQUARED, SEED_WIDTH);
+            is_sure.then_some((fitted.tilt, group, fitted.plane))
+        };
+        let mut seeds: Vec<_> = groups.into_iter().filter_map(judged).collect();
+        seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        seeds
     }
 
     fn is_free(&self, seed: Seed) -> bool {
-        let level = &self.image.levels[seed.level];
-        let around = level.near(seed.group).flat_map(|group| self.tiles_of(seed.level, group));
-        self.have_room(self.tiles_of(seed.level, seed.group)) && self.have_room(around)
+        let has_room = |steps| {
+            let Rectangle { columns, rows } = self.rectangle(seed, steps);
+            self.have_room(rows.flat_map(|row| self.row(row, &columns)))
+        };
+        has_room(0) && has_room(1)
     }
 
-    /// The tiles of a group.
-    fn tiles_of(&self, level: usize, group: usize) -> impl Iterator<Item = u32> + use<> {
-        let (columns, rows) = (self.image.levels[0].columns, self.image.levels[0].rows);
-        let wide = self.image.levels[level].columns;
-        let (column, row) = ((group % wide) << level, (group / wide) << level);
-        let range = move |at: usize, end: usize| at..(at + (1 << level)).min(end);
-        // An image has fewer tiles than 32 bits can count.
-        #[allow(clippy::cast_possible_truncation)]
-        range(row, rows)
-            .flat_map(move |row| range(column, columns).map(move |column| (row * columns + column) as u32))
+    /// The tiles of a group and of those up to so many steps from it.
+    fn rectangle(&self, Seed { level, group }: Seed, steps: usize) -> Rectangle {
+        let [tiles, groups] = [0, level].map(|level| &self.image.levels[level]);
+        let (column, row) = (group % groups.columns, group / groups.columns);
+        let range =
+            |at: usize, end: usize| at.saturating_sub(steps) << level..((at + steps + 1) << level).min(end);
+        Rectangle { columns: range(column, tiles.columns), rows: range(row, tiles.rows) }
     }
 
-    fn have_room(&self, tiles: impl Iterator<Item = u32>) -> bool {
-        let (mut free, mut all) = (0.0, 0.0);
+    /// Tiles of a row.
+    fn row(&self, row: usize, columns: &Range<usize>) -> Range<usize> {
+        let first = row * self.image.levels[0].columns;
+        first + columns.start..first + columns.end
+    }
+
+    fn have_room(&self, tiles: impl Iterator<Item = usize>) -> bool {
+        let (mut free, mut all) = (0, 0);
         for tile in tiles {
-            let points = self.image.sums[tile as usize].weight();
-            all += points;
-            free += if self.owned[tile as usize] { 0.0 } else { points };
+            all += self.points[tile];
+            free += self.free[tile];
         }
-        free > 0.0 && free >= SEED_FREE * all
+        free > 0 && f64::from(free) >= SEED_FREE * f64::from(all)
     }
 
     /// Grows and fits until the number of tiles stays; they are of no other region then.
@@ -179,8 +217,11 @@ impl<'a, 't> Growing<'a, 't> {
             }
         }
         let found = found.filter(|region| region.fitted.points >= FEWEST_POINTS)?;
-        for tile in &found.tiles {
-            self.owned[*tile as usize] = true;
+        let columns = self.image.levels[0].columns;
+        for tile in found.tiles.iter().map(|tile| *tile as usize) {
+            self.free[tile] = 0;
+            let (strip, lane) = self.strips.place(tile % columns, tile / columns);
+            self.unowned[strip] &= !(1 << lane);
         }
         Some(found)
     }
@@ -189,19 +230,20 @@ impl<'a, 't> Growing<'a, 't> {
     fn flood(&mut self, seed: Seed, plane: &Flat, spread: f64) -> Vec<u32> {
         self.clock += 1;
         let level = &self.image.levels[seed.level];
-        let mut queue: Vec<usize> = level.near(seed.group).collect();
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.clear();
+        queue.extend(level.near(seed.group));
         for group in &queue {
             self.reached[seed.level][*group] = self.clock;
         }
-        let mut tiles: Vec<u32> = Vec::new();
+        let mut tiles: Vec<u32> = Vec::with_capacity(MANY);
         let mut next = 0;
         while let Some(group) = queue.get(next).copied() {
             next += 1;
             let before = tiles.len();
-            for tile in self.tiles_of(seed.level, group) {
-                if !self.owned[tile as usize] && self.lies_on(tile as usize, plane, spread) {
-                    tiles.push(tile);
-                }
+            let Rectangle { columns, rows } = self.rectangle(Seed { group, ..seed }, 0);
+            for row in rows {
+                self.add_row(row, &columns, plane, spread, &mut tiles);
             }
             if tiles.len() > before {
                 let reached = &mut self.reached[seed.level];
@@ -213,21 +255,39 @@ impl<'a, 't> Growing<'a, 't> {
                 }
             }
         }
+        self.queue = queue;
         tiles
     }
 
-    fn lies_on(&mut self, at: usize, plane: &Flat, spread: f64) -> bool {
-        let Some(tile) = &self.image.tiles[at] else { return false };
-        let variance = tile.variance(self.noise, plane.normal);
-        let errors = SLACK * (1.0 + SIGNIFICANT * (2.0 / tile.points).sqrt());
-        if tile.mean_square(plane) > variance * (errors + self.allowed * self.allowed * spread) {
-            return false;
+    /// Adds the free tiles of a row of a group that lie on the plane.
+    fn add_row(
+        &mut self,
+        row: usize,
+        columns: &Range<usize>,
+        plane: &Flat,
+        spread: f64,
+        tiles: &mut Vec<u32>,
+    ) {
+        let (strip, first) = self.strips.place(columns.start, row);
+        let begin = self.row(row, columns).start - first;
+        if self.told[strip].0 != self.clock {
+            let more = self.allowed * self.allowed * spread;
+            let told = self.strips.told(strip, plane, more, self.sine_squared);
+            self.told[strip] = (self.clock, told);
         }
-        // Nearly all tiles are told by their sums.
-        is_along(&self.image.levels[0].around[at], plane, TURNED.sin().powi(2))
-            || self.arounds.get(0, at).is_none_or(|around| {
-                around.is_row() || plane.angle(&around.plane) <= TURNED + TURNED_ERRORS * around.tilt
-            })
+        let Told { near, along } = self.told[strip].1;
+        let of_group = (u8::MAX >> (STRIP - columns.len())) << first;
+        let mut left = near & self.unowned[strip] & of_group;
+        while left != 0 {
+            let lane = left.trailing_zeros();
+            left &= left - 1;
+            let tile = begin + lane as usize;
+            if along >> lane & 1 == 1 || self.arounds.is_along(tile, plane) {
+                // An image has fewer tiles than 32 bits can count.
+                #[allow(clippy::cast_possible_truncation)]
+                tiles.push(tile as u32);
+            }
+        }
     }
 
     /// How far the means of tiles scatter about the plane beyond their errors, as a variance in units of those of points.

@@ -13,6 +13,7 @@ mod plane;
 mod pyramid;
 mod regions;
 mod settings;
+mod strips;
 mod tile;
 mod tiles;
 

@@ -109,21 +109,22 @@ impl DepthPlane {
 /// size of group at which that is most.
 fn growth(tiles: &[u32], image: Image, plane: &Flat, noise: Noise) -> f64 {
     let columns = image.levels[0].columns;
+    let mut tiles = tiles.to_vec();
+    tiles.sort_unstable();
     let mut growth = 1.0_f64;
     for level in 0..LEVELS {
-        let group = |tile: u32| {
-            let (column, row) = (tile as usize % columns, tile as usize / columns);
-            ((row >> level) * columns + (column >> level), tile as usize)
-        };
-        let mut by_group: Vec<(usize, usize)> = tiles.iter().map(|tile| group(*tile)).collect();
-        by_group.sort_unstable();
+        // By group, how far its points are off in all, and the variance of that.
+        let mut by_group = vec![[0.0; 2]; image.levels[level].around.len()];
+        for tile in tiles.iter().map(|tile| *tile as usize) {
+            let Some(of_tile) = &image.tiles[tile] else { continue };
+            let (column, row) = (tile % columns, tile / columns);
+            let [off, variance] =
+                &mut by_group[(row >> level) * image.levels[level].columns + (column >> level)];
+            *off += of_tile.points * plane.distance(of_tile.mean);
+            *variance += of_tile.points * of_tile.variance(noise, plane.normal);
+        }
         let (mut sum, mut groups) = (0.0, 0);
-        for group in by_group.chunk_by(|a, b| a.0 == b.0) {
-            let (mut off, mut variance) = (0.0, 0.0);
-            for tile in group.iter().filter_map(|(_, tile)| image.tiles[*tile].as_ref()) {
-                off += tile.points * plane.distance(tile.mean);
-                variance += tile.points * tile.variance(noise, plane.normal);
-            }
+        for [off, variance] in by_group.into_iter().filter(|[_, variance]| *variance > 0.0) {
             sum += off * off / variance;
             groups += 1;
         }

@@ -47,57 +47,83 @@ pub(crate) struct Pyramid {
 
 impl Pyramid {
     pub(crate) fn fill(&mut self, tiles: &[Moments], tiling: Tiling) {
-        let Self { levels, own, rows } = self;
-        let [own, coarser] = own;
-        own.clear();
-        own.extend_from_slice(tiles);
-        let (mut width, mut height) = (tiling.columns, tiling.rows);
+        pulp::Arch::new().dispatch(Fill { tiles, tiling, to: self });
+    }
+}
+
+/// [`Pyramid::fill`]: a type, for a closure of this length would not become a part of what is dispatched to.
+struct Fill<'a> {
+    tiles: &'a [Moments],
+    tiling: Tiling,
+    to: &'a mut Pyramid,
+}
+
+impl pulp::WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Pyramid { levels, own, rows } = self.to;
+        let [finer, coarser] = own;
+        let (mut width, mut height) = (self.tiling.columns, self.tiling.rows);
+        let mut is_first = true;
         for level in levels {
             (level.columns, level.rows) = (width, height);
-            around(own, width, rows, &mut level.around);
-            let columns = width.div_ceil(2);
+            let sums = if is_first { self.tiles } else { &finer[..] };
+            around(sums, width, rows, &mut level.around);
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
             coarser.clear();
-            for pair in own.chunks(2 * width) {
-                let (upper, lower) = pair.split_at(width);
-                for column in (0..width).step_by(2) {
-                    let mut sum = Moments::EMPTY;
-                    for row in [upper, lower] {
-                        row.iter().skip(column).take(2).for_each(|more| sum.merge(more));
+            for pair in sums.chunks(2 * level.columns) {
+                let (upper, lower) = pair.split_at(level.columns);
+                // Below the last of an odd number of rows there is nothing.
+                coarser.extend(upper.chunks(2).map(sum_of));
+                let row = coarser.len() - width;
+                for (sum, more) in coarser[row..].iter_mut().zip(lower.chunks(2)) {
+                    for more in more {
+                        sum.merge(more);
                     }
-                    coarser.push(sum);
                 }
             }
-            std::mem::swap(own, coarser);
-            (width, height) = (columns, height.div_ceil(2));
+            std::mem::swap(finer, coarser);
+            is_first = false;
         }
     }
 }
 
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn sum_of(all: &[Moments]) -> Moments {
+    let mut sum = Moments::EMPTY;
+    for more in all {
+        sum.merge(more);
+    }
+    sum
+}
+
 /// Sums of three by three: first along rows, then of three rows.
+#[allow(clippy::inline_always)]
+#[inline(always)]
 fn around(own: &[Moments], width: usize, along: &mut Vec<Moments>, to: &mut Vec<Moments>) {
     along.clear();
     for row in own.chunks(width) {
-        for at in 0..width {
-            let mut sum = row[at];
-            if at > 0 {
-                sum.merge(&row[at - 1]);
-            }
-            if at + 1 < width {
-                sum.merge(&row[at + 1]);
-            }
-            along.push(sum);
+        let begin = along.len();
+        along.extend_from_slice(row);
+        let along = &mut along[begin..];
+        for (sum, before) in along.iter_mut().skip(1).zip(row) {
+            sum.merge(before);
+        }
+        for (sum, behind) in along.iter_mut().zip(row.iter().skip(1)) {
+            sum.merge(behind);
         }
     }
     to.clear();
-    for at in 0..along.len() {
-        let mut sum = along[at];
-        if at >= width {
-            sum.merge(&along[at - width]);
-        }
-        if let Some(below) = along.get(at + width) {
-            sum.merge(below);
-        }
-        to.push(sum);
+    to.extend_from_slice(along);
+    for (sum, above) in to.iter_mut().skip(width).zip(&*along) {
+        sum.merge(above);
+    }
+    for (sum, below) in to.iter_mut().zip(along.iter().skip(width)) {
+        sum.merge(below);
     }
 }
 

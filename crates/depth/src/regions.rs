@@ -2,7 +2,8 @@
 
 use crate::around::Arounds;
 use crate::flat::Noise;
-use crate::grow::{Growing, Image, Region};
+use crate::grow::{Growing, Image, Region, SEED_CHI_SQUARED};
+use crate::strips::Strips;
 
 /// Where the means of tiles scatter by more than this about their planes, in units of what the errors of their points make of them,
 /// neighbouring pixels share errors: a distorted sensor, a bent table.
@@ -16,20 +17,21 @@ const SPREAD: f64 = 3.0;
 /// not, or where errors were found from scatter, which tells nothing of what neighbouring pixels share, the tiles of a region may
 /// scatter by more.
 pub(crate) fn regions(image: Image, noise: Noise, are_stated: bool, tilt: f64) -> Vec<Region> {
-    let mut arounds = Arounds::of(image.levels, noise);
+    let strips = Strips::of(image.tiles, &image.levels[0], noise);
+    let mut arounds = Arounds::of(image.levels, noise, SEED_CHI_SQUARED);
     let is_sure = |region: &Region| region.fitted.tilt <= tilt;
     if are_stated {
-        let mut strict = Growing::of(image, &mut arounds, 0.0).all();
+        let mut strict = Growing::of(image, &strips, &mut arounds, 0.0).all();
         if shared(image, noise, &strict) <= SHARED {
             strict.retain(is_sure);
             return strict;
         }
     }
-    let mut regions = Growing::of(image, &mut arounds, SPREAD).all();
+    let mut regions = Growing::of(image, &strips, &mut arounds, SPREAD).all();
     let before = regions.len();
     regions.retain(is_sure);
     if regions.len() < before {
-        regions = Growing::of(image, &mut arounds, SPREAD).again(regions);
+        regions = Growing::of(image, &strips, &mut arounds, SPREAD).again(regions);
         regions.retain(is_sure);
     }
     regions

@@ -3,15 +3,15 @@
 use glam::DVec3;
 use terrace_stats::{Moments, SymmetricMatrix3};
 
-use crate::flat::{Flat, Noise};
+use crate::flat::Noise;
 
 /// Pixels of a tile that lie in one place, as far as its sums tell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tile {
     pub(crate) points: f64,
     pub(crate) mean: DVec3,
-    scatter: SymmetricMatrix3,
-    noise: SymmetricMatrix3,
+    pub(crate) scatter: SymmetricMatrix3,
+    pub(crate) noise: SymmetricMatrix3,
 }
 
 impl Tile {
@@ -23,13 +23,6 @@ impl Tile {
             scatter: sum.covariance()?,
             noise: sum.mean_noise()?,
         })
-    }
-
-    /// Mean squared distance of the points from a plane, in m².
-    #[inline]
-    pub(crate) fn mean_square(&self, plane: &Flat) -> f64 {
-        let off = plane.distance(self.mean);
-        self.scatter.quadratic_form(plane.normal.to_array()).max(0.0) + off * off
     }
 
     /// Variance of the error of a point along a direction, in m².

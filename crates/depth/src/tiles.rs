@@ -27,27 +27,56 @@ impl Tiling {
 /// precision is exact enough.
 pub(crate) fn sums(raw: &[u16], camera: &Camera, to: &mut Vec<Moments>) {
     to.clear();
-    pulp::Arch::new().dispatch(|| all(raw, camera, to));
+    pulp::Arch::new().dispatch(All { raw, camera, to });
 }
 
-// Into what it is dispatched to.
-#[allow(clippy::inline_always)]
-#[inline(always)]
-fn all(raw: &[u16], camera: &Camera, to: &mut Vec<Moments>) {
-    let width = camera.width;
-    for (row, band) in raw.chunks(TILE * width).enumerate() {
-        for column in (0..width).step_by(TILE) {
-            let mut tile = [[0_u16; TILE]; TILE];
-            for (of_tile, of_image) in tile.iter_mut().zip(band.chunks_exact(width)) {
-                match of_image[column..].first_chunk::<TILE>() {
-                    Some(pixels) => *of_tile = *pixels,
-                    None => of_tile[..width - column].copy_from_slice(&of_image[column..]),
-                }
+/// A type, for a closure of this length would not become a part of what is dispatched to.
+struct All<'a> {
+    raw: &'a [u16],
+    camera: &'a Camera,
+    to: &'a mut Vec<Moments>,
+}
+
+impl pulp::WithSimd for All<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { raw, camera, to } = self;
+        let width = camera.width;
+        for (row, band) in raw.chunks(TILE * width).enumerate() {
+            for column in (0..width).step_by(TILE) {
+                let tile = pixels(band, width, column);
+                let corner = camera.ray([column as f64, (row * TILE) as f64]);
+                to.push(of_tile(&tile, corner, camera.focal.map(f64::recip), camera.unit));
             }
-            let corner = camera.ray([column as f64, (row * TILE) as f64]);
-            to.push(of_tile(&tile, corner, camera.focal.map(f64::recip), camera.unit));
         }
     }
+}
+
+/// The raw depths of a tile, row by row; 0, which is no measurement, beyond the edge of the image.
+pub(crate) type Pixels = [[u16; TILE]; TILE];
+
+/// Those of the tile that begins at a column of a band of an image.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+pub(crate) fn pixels(band: &[u16], width: usize, column: usize) -> Pixels {
+    let mut tile = [[0; TILE]; TILE];
+    let rows = tile.iter_mut().zip(band.chunks_exact(width));
+    // Apart, for a length that is known is a single load.
+    if column + TILE <= width {
+        for (of_tile, of_image) in rows {
+            if let Some(pixels) = of_image[column..].first_chunk() {
+                *of_tile = *pixels;
+            }
+        }
+    } else {
+        rows.for_each(|(of_tile, of_image)| {
+            of_tile.iter_mut().zip(&of_image[column..]).for_each(|(to, raw)| *to = *raw);
+        });
+    }
+    tile
 }
 
 /// Sums over pixels of m, m u, m v, m u², m u v, m v², for what m is summed.
@@ -55,7 +84,7 @@ type Powers = [f64; 6];
 
 #[allow(clippy::inline_always)]
 #[inline(always)]
-fn of_tile(tile: &[[u16; TILE]; TILE], [x, y]: [f64; 2], [dx, dy]: [f64; 2], unit: f64) -> Moments {
+fn of_tile(tile: &Pixels, [x, y]: [f64; 2], [dx, dy]: [f64; 2], unit: f64) -> Moments {
     let middle = tile[TILE / 2][TILE / 2];
     let reference = if is_measurement(middle) {
         middle
@@ -123,6 +152,20 @@ fn powers([ones, v, vv]: &[[f32; TILE]; 3]) -> Powers {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn what_is_beyond_the_edge_is_no_measurement() {
+        let (width, height) = (11, 3);
+        let band: Vec<u16> = (1..=width * height).collect();
+        let first = pixels(&band, width.into(), 0);
+        assert_eq!(first[1], [12, 13, 14, 15, 16, 17, 18, 19]);
+        let last = pixels(&band, width.into(), TILE);
+        assert_eq!(
+            last[..3],
+            [[9, 10, 11, 0, 0, 0, 0, 0], [20, 21, 22, 0, 0, 0, 0, 0], [31, 32, 33, 0, 0, 0, 0, 0]]
+        );
+        assert!(first[3..].iter().chain(&last[3..]).all(|row| *row == [0; TILE]));
+    }
 
     proptest! {
         #[test]

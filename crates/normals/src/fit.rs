@@ -2,7 +2,7 @@
 
 use terrace_stats::{Stats, SymmetricMatrix3};
 
-use crate::{Degenerate, Eigen3, symmetric_eigen};
+use crate::{Degenerate, Eigen3, symmetric_eigen, symmetric_eigen_batch};
 
 /// Variance across a line below this share of the variance along it is a line: points a hundredth of their extent away.
 /// Rounding alone would be 1e-16; but a plane that rests on so narrow a strip may turn about it at the slightest error.
@@ -71,18 +71,50 @@ impl PlaneFit {
 /// # Ok::<(), terrace_normals::Degenerate>(())
 /// ```
 pub fn fit_plane(stats: &Stats) -> Result<PlaneFit, Degenerate> {
-    let found = usize::try_from(stats.count()).unwrap_or(usize::MAX);
-    if found < 3 {
-        return Err(Degenerate::TooFew { found });
+    let [fit] = fit_planes(&[*stats]);
+    fit
+}
+
+/// [`fit_plane`] of `N` sets of points side by side; 4 and 8 are good numbers. The result for each is the same to the last bit, whatever
+/// the others are.
+///
+/// # Errors
+/// For each as [`fit_plane`].
+pub fn fit_planes<const N: usize>(stats: &[Stats; N]) -> [Result<PlaneFit, Degenerate>; N] {
+    let scattered = stats.each_ref().map(Scattered::of);
+    let eigen = symmetric_eigen_batch(
+        &scattered.each_ref().map(|of| of.as_ref().map_or(SymmetricMatrix3::ZERO, |of| of.covariance)),
+    );
+    std::array::from_fn(|i| {
+        scattered[i]
+            .as_ref()
+            .map_err(|why| *why)
+            .and_then(|of| PlaneFit::of(&eigen[i], of.centroid, of.rounding))
+    })
+}
+
+/// Where points are and how they scatter, and the variance that their sums have from rounding.
+struct Scattered {
+    centroid: [f64; 3],
+    covariance: SymmetricMatrix3,
+    rounding: f64,
+}
+
+impl Scattered {
+    fn of(stats: &Stats) -> Result<Self, Degenerate> {
+        let found = usize::try_from(stats.count()).unwrap_or(usize::MAX);
+        if found < 3 {
+            return Err(Degenerate::TooFew { found });
+        }
+        let (Some(centroid), Some(covariance)) = (stats.mean(), stats.covariance()) else {
+            let unknown = stats.weight().is_nan();
+            return Err(if unknown { Degenerate::NotFinite } else { Degenerate::TooFew { found: 0 } });
+        };
+        // The covariance is a difference of squares of this size, each a sum with a rounding per point.
+        let squares: f64 = stats.moments().mean().unwrap_or_default().iter().map(|m| m * m).sum();
+        let subtraction = f64::EPSILON * (stats.count() as f64 + 8.0) * squares;
+        Ok(Self { centroid, covariance, rounding: rounding(centroid) + subtraction })
     }
-    let (Some(centroid), Some(covariance)) = (stats.mean(), stats.covariance()) else {
-        let unknown = stats.weight().is_nan();
-        return Err(if unknown { Degenerate::NotFinite } else { Degenerate::TooFew { found: 0 } });
-    };
-    // The covariance is a difference of squares of this size, each a sum with a rounding per point.
-    let squares: f64 = stats.moments().mean().unwrap_or_default().iter().map(|m| m * m).sum();
-    let subtraction = f64::EPSILON * (stats.count() as f64 + 8.0) * squares;
-    PlaneFit::of(&symmetric_eigen(&covariance), centroid, rounding(centroid) + subtraction)
 }
 
 /// The plane of least squares through these centres, each with the same weight (the paper's fit).

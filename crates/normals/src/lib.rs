@@ -65,7 +65,7 @@ pub use bounds::EigenvalueBounds;
 pub use covariant::CovariantPlane;
 pub use degenerate::Degenerate;
 pub use eigen::{Eigen3, symmetric_eigen, symmetric_eigen_batch};
-pub use fit::{PlaneFit, fit_centres, fit_plane};
+pub use fit::{PlaneFit, fit_centres, fit_plane, fit_planes};
 pub use minmax::{FitTo, UncertainNormal, estimate};
 pub use orient::{canonical, towards};
 pub use summary::{Summarised, Summary};

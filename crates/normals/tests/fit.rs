@@ -7,7 +7,7 @@ mod motion;
 
 use motion::{Motion, motion};
 use proptest::prelude::*;
-use terrace_normals::{Degenerate, FitTo, PlaneFit, estimate, fit_centres, fit_plane};
+use terrace_normals::{Degenerate, FitTo, PlaneFit, estimate, fit_centres, fit_plane, fit_planes};
 use terrace_stats::{Moments, Stats, UncertainVector};
 
 fn stats(anchor: [f64; 3], points: &[[f64; 3]]) -> Stats {
@@ -20,6 +20,23 @@ fn stats(anchor: [f64; 3], points: &[[f64; 3]]) -> Stats {
 
 fn cells(points: &[[f64; 3]]) -> Vec<Stats> {
     points.iter().map(|p| stats(*p, &[*p])).collect()
+}
+
+proptest! {
+    #[test]
+    fn planes_side_by_side_are_those_one_by_one(
+        all in prop::collection::vec(prop::collection::vec(prop::array::uniform3(-3.0..3.0_f64), 0..9), 8),
+        bad in 0..8_usize,
+    ) {
+        let mut all: Vec<Stats> = all.iter().map(|points| stats([1.0, 0.0, -1.0], points)).collect();
+        // Points on a line, and one that is no number, beside the others.
+        all[bad] = stats([0.0; 3], &[[0.0; 3], [1.0; 3], [2.0; 3], [4.0; 3]]);
+        all[(bad + 3) % 8].push(&UncertainVector::exact([f64::NAN, 0.0, 0.0]));
+        let fits = fit_planes::<8>(all.first_chunk().unwrap());
+        for (fit, stats) in fits.iter().zip(&all) {
+            prop_assert_eq!(format!("{fit:?}"), format!("{:?}", fit_plane(stats)));
+        }
+    }
 }
 
 /// What each way to a plane says.
