@@ -11,7 +11,7 @@ use crate::pyramid::{LEVELS, Level};
 /// The surface at a tile may be turned against a plane by this, in radians, and by so many standard errors.
 pub(crate) const TURNED: f64 = 0.3;
 const TURNED_ERRORS: f64 = 3.0;
-/// Sines that are less apart are told apart by their angles.
+/// Squares of sines that are less apart are told apart by their angles.
 const ROUNDING: f64 = 1e-9;
 
 /// The planes around groups, each fitted once.
@@ -57,11 +57,11 @@ impl Turn {
     #[inline]
     fn holds(&self, plane: &Flat) -> bool {
         let Self::Within { normal, angle, sine, cosine } = *self else { return true };
-        let across = normal.cross(plane.normal).length();
+        let across = normal.cross(plane.normal).length_squared();
         let along = normal.dot(plane.normal).abs();
-        // The sine of what is left of the angle.
-        let left = sine * along - cosine * across;
-        if left.abs() > ROUNDING { left > 0.0 } else { across.atan2(along) <= angle }
+        // The sine of what is left of the angle, times what is positive and below 2.
+        let left = (sine * along).powi(2) - cosine * cosine * across;
+        if left.abs() > ROUNDING { left > 0.0 } else { across.sqrt().atan2(along) <= angle }
     }
 }
 
