@@ -21,7 +21,7 @@ type Lanes = [f64; STRIP];
 #[derive(Debug, Clone, Copy, Default)]
 struct Strip {
     mean: [Lanes; 3],
-    /// Of the points of the tile, in the order of [`Products`].
+    /// Of the points of the tile, and below of their errors: xx, xy, xz, yy, yz, zz.
     scatter: [Lanes; 6],
     noise: [Lanes; 6],
     /// The least variance of errors.
