@@ -26,15 +26,10 @@ impl Level {
 /// Places up to one step away in rows and columns, the place itself among them.
 #[inline]
 pub(crate) fn near(at: usize, columns: usize, rows: usize) -> impl Iterator<Item = usize> {
-    within(1, at, columns, rows)
-}
-
-/// Places up to so many steps away in rows and columns, the place itself among them.
-#[inline]
-pub(crate) fn within(steps: usize, at: usize, columns: usize, rows: usize) -> impl Iterator<Item = usize> {
     let (column, row) = (at % columns, at / columns);
-    let range = move |at: usize, size: usize| at.saturating_sub(steps)..(at + steps + 1).min(size);
-    range(row, rows).flat_map(move |row| range(column, columns).map(move |column| row * columns + column))
+    let range = |at: usize, size: usize| at.saturating_sub(1)..(at + 2).min(size);
+    let beside = range(column, columns);
+    range(row, rows).flat_map(move |row| beside.clone().map(move |column| row * columns + column))
 }
 
 /// All levels, and the sums of groups that are not kept.

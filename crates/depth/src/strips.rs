@@ -185,6 +185,25 @@ mod tests {
         )
     }
 
+    #[test]
+    fn a_flat_surface_is_along_its_plane_without_a_fit() {
+        let mut sum = Moments::EMPTY;
+        for at in 0..64 {
+            let [u, v] = [at % 8, at / 8].map(|k| 0.02 * f64::from(k));
+            sum.push(&UncertainVector::isotropic([u, v, 1.0], 0.004));
+        }
+        let level = Level { columns: 9, rows: 1, around: vec![sum; 9] };
+        let strips = Strips::of(&[Tile::of(&sum); 9], &level, NOISE);
+        let told = |turn: f64| {
+            let plane =
+                Flat { normal: DVec3::new(turn.sin(), 0.0, turn.cos()), point: DVec3::new(0.07, 0.07, 1.0) };
+            [0, 1].map(|strip| strips.told(strip, &plane, 0.0, TURNED.sin().powi(2)))
+        };
+        let [whole, cut] = told(0.0);
+        assert_eq!([whole.near, whole.along, cut.near, cut.along & 1], [u8::MAX, u8::MAX, 1, 1]);
+        assert_eq!(told(0.5).map(|told| (told.near, told.along & 1)), [(0, 0); 2]);
+    }
+
     proptest! {
         #[test]
         fn strips_tell_what_tiles_tell_one_by_one(
