@@ -2,6 +2,7 @@
 
 use super::runs::{Run, SECTION};
 use super::{PointErrors, records};
+use crate::ahead::Ahead;
 use crate::block::{BlockKey, place_of};
 use crate::part::Part;
 
@@ -31,7 +32,7 @@ impl Share<'_> {
 
 /// Finds the slot of each run, and founds those missing.
 fn find_slots(part: &mut Part, runs: &mut [Run], begin: usize, founded: &mut Vec<u32>) {
-    let mut last = None;
+    let (mut last, ahead) = (None, Ahead::new());
     for run in runs {
         let key = BlockKey::of(run.key);
         let block = match last {
@@ -46,5 +47,7 @@ fn find_slots(part: &mut Part, runs: &mut [Run], begin: usize, founded: &mut Vec
             founded.push((begin + run.points().start) as u32);
             part.found(block, place, run.key)
         });
+        // Its sums are not needed before those of all runs of the section are on their way.
+        ahead.fetch(&part.slots[run.slot]);
     }
 }
