@@ -2,7 +2,7 @@
 
 use terrace_stats::Moments;
 
-use crate::block::{BlockKey, PARTS, RECENT, part_of, place_of};
+use crate::block::{BlockKey, PARTS, RECENT, place_of};
 use crate::bulk::{Scratch, unit_of};
 use crate::cell::{Cell, CellId};
 use crate::dense::{Connectivity, DenseCells};
@@ -18,7 +18,7 @@ pub(crate) const MOST_CELLS: usize = u32::MAX as usize - 1;
 pub struct VoxelGrid {
     pub(crate) lattice: Lattice,
     pub(crate) assignment: Assignment,
-    /// By [`part_of`] the hash of a block.
+    /// By the [part](BlockKey::part) of a block.
     pub(crate) parts: Vec<Part>,
     /// Where each cell is kept, by its identity.
     pub(crate) homes: Vec<Home>,
@@ -231,11 +231,8 @@ impl VoxelGrid {
         if last.key == key {
             return Some((last.part, last.block));
         }
-        let hash = key.hash();
-        let part = part_of(hash);
-        // There are few parts.
-        #[allow(clippy::cast_possible_truncation)]
-        Some((part as u32, self.parts[part].block(key, hash)?))
+        let part = key.part();
+        Some((part.into(), self.parts[usize::from(part)].block(key, key.hash())?))
     }
 
     /// Where the cell of this voxel is kept, if there is one.
@@ -276,11 +273,9 @@ impl VoxelGrid {
         let (part, block) = match self.block_of(block_key) {
             Some(known) => known,
             None if self.homes.len() < MOST_CELLS => {
-                let hash = block_key.hash();
-                let part = part_of(hash);
-                // There are few parts.
-                #[allow(clippy::cast_possible_truncation)]
-                (part as u32, self.parts[part].block_or_new(block_key, hash))
+                let part = block_key.part();
+                let block = self.parts[usize::from(part)].block_or_new(block_key, block_key.hash());
+                (part.into(), block)
             }
             None => return Err(GridError::Full { cells: self.homes.len() }),
         };

@@ -1,83 +1,105 @@
-//! The points of a run as numbers on end: each from the centre of its voxel, then what is known of its error.
-
-use std::ops::Range;
+//! What is known of points as numbers on end: where each is from the centre of its voxel, then its error.
 
 use terrace_stats::{Moments, SymmetricMatrix3};
 
 use super::PointErrors;
+use super::runs::Run;
 use crate::grid::Home;
 use crate::part::Part;
+use crate::slots::Slots;
 
-/// How many numbers a point is written with.
+/// What is done with points of which so many numbers are known.
+pub(super) trait OfEach {
+    /// `record` tells what is known of a point by where it is and its place among the errors.
+    fn of_each<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]);
+}
+
+/// Does it with as many numbers as errors take.
 #[inline]
-pub(super) fn width(errors: &PointErrors<'_>) -> usize {
+pub(super) fn of_each(errors: &PointErrors<'_>, what: impl OfEach) {
     match errors {
-        PointErrors::None | PointErrors::Same(_) => 3,
-        PointErrors::Each(_) => 4,
-        PointErrors::Axes(_) => 6,
-        PointErrors::Covariances(_) => 9,
+        PointErrors::None | PointErrors::Same(_) => what.of_each(|value, _| value),
+        PointErrors::Each(sigmas) => what.of_each(|[x, y, z], at| [x, y, z, sigmas[at] * sigmas[at]]),
+        PointErrors::Axes(sigmas) => what.of_each(|[x, y, z], at| {
+            let [a, b, c] = sigmas[at].map(|sigma| sigma * sigma);
+            [x, y, z, a, b, c]
+        }),
+        PointErrors::Covariances(all) => what.of_each(|[x, y, z], at| {
+            let [a, b, c, d, e, f] = all[at];
+            [x, y, z, a, b, c, d, e, f]
+        }),
     }
 }
 
-/// Writes points. `range` are their places among those of the errors.
+/// Adds runs of points that were written so, each to the sums of its cell: as one point after the other, with the same bits.
 #[inline]
-pub(super) fn write(
-    points: &[[f64; 3]],
-    centre: [f64; 3],
-    errors: &PointErrors<'_>,
-    range: Range<usize>,
-    to: &mut [f64],
-) {
-    let records = to.chunks_exact_mut(width(errors)).zip(points).zip(range);
-    for ((record, point), at) in records {
-        let (value, noise) = record.split_at_mut(3);
-        for i in 0..3 {
-            value[i] = point[i] - centre[i];
-        }
-        match errors {
-            PointErrors::None | PointErrors::Same(_) => {}
-            PointErrors::Each(sigmas) => noise[0] = sigmas[at] * sigmas[at],
-            PointErrors::Axes(sigmas) => noise.copy_from_slice(&sigmas[at].map(|sigma| sigma * sigma)),
-            PointErrors::Covariances(all) => noise.copy_from_slice(&all[at]),
-        }
+pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>, records: &[f64]) {
+    let arch = pulp::Arch::new();
+    match errors {
+        PointErrors::None => arch.dispatch(Runs {
+            slots,
+            runs,
+            records: records.as_chunks().0,
+            push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [0.0; 3]),
+        }),
+        PointErrors::Same(sigma) => arch.dispatch(Runs {
+            slots,
+            runs,
+            records: records.as_chunks().0,
+            push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [sigma * sigma; 3]),
+        }),
+        PointErrors::Each(_) => arch.dispatch(Runs {
+            slots,
+            runs,
+            records: records.as_chunks().0,
+            push: |to: &mut Moments, [x, y, z, variance]: &[f64; 4]| {
+                to.push_independent([*x, *y, *z], [*variance; 3]);
+            },
+        }),
+        PointErrors::Axes(_) => arch.dispatch(Runs {
+            slots,
+            runs,
+            records: records.as_chunks().0,
+            push: |to: &mut Moments, [x, y, z, a, b, c]: &[f64; 6]| {
+                to.push_independent([*x, *y, *z], [*a, *b, *c]);
+            },
+        }),
+        PointErrors::Covariances(_) => arch.dispatch(Runs {
+            slots,
+            runs,
+            records: records.as_chunks().0,
+            push: |to: &mut Moments, [x, y, z, noise @ ..]: &[f64; 9]| {
+                to.push_covariant([*x, *y, *z], &SymmetricMatrix3(*noise));
+            },
+        }),
     }
 }
 
-/// Adds so many points that were written, one after the other as they would be alone, and returns what is left to read.
-#[inline]
-pub(super) fn add<'n>(
-    moments: &mut Moments,
-    points: usize,
-    errors: &PointErrors<'_>,
-    from: &'n [f64],
-) -> &'n [f64] {
-    let (written, rest) = from.split_at(points * width(errors));
-    match errors {
-        PointErrors::None => {
-            moments.extend_independent(written.as_chunks().0.iter().map(|value| (*value, [0.0; 3])));
-        }
-        PointErrors::Same(sigma) => {
-            let variances = [sigma * sigma; 3];
-            moments.extend_independent(written.as_chunks().0.iter().map(|value| (*value, variances)));
-        }
-        PointErrors::Each(_) => {
-            let points = written.as_chunks().0.iter();
-            moments.extend_independent(points.map(|[x, y, z, variance]| ([*x, *y, *z], [*variance; 3])));
-        }
-        PointErrors::Axes(_) => {
-            let points = written.as_chunks().0.iter();
-            moments.extend_independent(points.map(|[x, y, z, a, b, c]| ([*x, *y, *z], [*a, *b, *c])));
-        }
-        PointErrors::Covariances(_) => {
+struct Runs<'a, const W: usize, P> {
+    slots: &'a mut Slots,
+    runs: &'a [Run],
+    records: &'a [[f64; W]],
+    push: P,
+}
+
+impl<const W: usize, P: Fn(&mut Moments, &[f64; W])> pulp::WithSimd for Runs<'_, W, P> {
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { slots, runs, mut records, push } = self;
+        for run in runs {
+            let (of_run, rest) = records.split_at(run.len());
+            records = rest;
+            let moments = &mut slots[run.slot].moments;
             // A copy that stays in registers.
             let mut sums = *moments;
-            for [x, y, z, noise @ ..] in written.as_chunks::<9>().0 {
-                sums.push_covariant([*x, *y, *z], &SymmetricMatrix3(*noise));
-            }
+            of_run.iter().for_each(|record| push(&mut sums, record));
             *moments = sums;
         }
     }
-    rest
 }
 
 /// Adds points, each to the sums of its cell and in their order, with the same bits.

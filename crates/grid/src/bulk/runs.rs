@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::locate::{BATCH, Located, NOWHERE};
-use super::{PointErrors, Taken, records};
-use crate::block::{BlockKey, PARTS, part_of};
+use super::records::OfEach;
+use super::{PointErrors, Taken, records, split};
+use crate::block::PARTS;
 use crate::key::Lattice;
 use crate::{GridError, VoxelKey};
 
@@ -37,17 +38,28 @@ impl Run {
     }
 }
 
-/// Runs in the order of the points, with the part of each.
-pub(super) type Found = Vec<(Run, u8)>;
+/// Runs in the order of the points, with the part of each. Memory is kept from one section to the next.
+#[derive(Debug)]
+pub(super) struct Found {
+    runs: Vec<(Run, u8)>,
+    /// How many runs and points each part has.
+    lengths: [[usize; 2]; PARTS],
+}
 
-/// The runs of a section and their sums. Memory is kept from one to the next.
+impl Found {
+    pub(super) fn new() -> Self {
+        Self { runs: Vec::new(), lengths: [[0; 2]; PARTS] }
+    }
+}
+
+/// The runs of a section and their points. Memory is kept from one to the next.
 #[derive(Debug, Default)]
 pub(super) struct Section {
     /// By part, then in the order of the points.
     runs: Vec<Run>,
-    /// What each of them adds, in the same order: see [`records::write`].
-    sums: Vec<f64>,
-    /// How many runs and sums each part has.
+    /// What is known of their points, in the same order: see [`records::of_each`].
+    records: Vec<f64>,
+    /// How many runs each part has, and how many numbers are known of their points.
     lengths: Vec<[usize; 2]>,
     /// What became of the points, those in the runs being taken.
     pub(super) taken: Taken,
@@ -63,11 +75,12 @@ impl Section {
         places: Option<&mut [[i16; 3]]>,
         found: &mut Found,
     ) {
-        found.clear();
+        found.runs.clear();
+        found.lengths = [[0; 2]; PARTS];
         self.taken = Taken::default();
-        let mut located = Located::new();
+        let (mut located, mut parts) = (Located::new(), [0; BATCH]);
         let mut places = places.map(|places| places.chunks_mut(BATCH));
-        let mut open = Open::default();
+        let mut open = Open { key: NOWHERE, part: 0, first: 0 };
         for (batch, points) in points.chunks(BATCH).enumerate() {
             let begin = batch * BATCH;
             let errors = errors.part(begin..begin + points.len());
@@ -78,44 +91,17 @@ impl Section {
             if let Some(places) = places.as_mut().and_then(Iterator::next) {
                 places.copy_from_slice(&located.places[..points.len()]);
             }
-            for (at, key) in (begin..).zip(&located.keys[..points.len()]) {
+            let keys = &located.keys[..points.len()];
+            split::parts(keys, &mut parts);
+            for ((first, key), part) in (begin..).zip(keys).zip(&parts) {
                 if *key != open.key {
-                    open.close(at, found);
-                    open.begin(*key, at);
+                    open.close(first, found);
+                    open = Open { key: *key, part: *part, first };
                 }
             }
         }
         open.close(points.len(), found);
-        self.sort(found, points, errors, lattice);
-    }
-
-    /// Puts the runs in the order of their parts, and what they add beside them: each part then reads on end.
-    fn sort(&mut self, found: &[(Run, u8)], points: &[[f64; 3]], errors: &PointErrors<'_>, lattice: Lattice) {
-        let mut next = [[0; 2]; PARTS];
-        for (run, part) in found {
-            let [runs, sums] = &mut next[usize::from(*part)];
-            *runs += 1;
-            *sums += run.len() * records::width(errors);
-        }
-        self.lengths.clear();
-        self.lengths.extend_from_slice(&next);
-        let mut total = [0; 2];
-        for next in &mut next {
-            let lengths = std::mem::replace(next, total);
-            total = [total[0] + lengths[0], total[1] + lengths[1]];
-        }
-        self.runs.resize(total[0], Run::default());
-        self.sums.resize(total[1], 0.0);
-        for (run, part) in found {
-            let [at, sums_at] = &mut next[usize::from(*part)];
-            self.runs[*at] = *run;
-            *at += 1;
-            let len = run.len() * records::width(errors);
-            let sums = &mut self.sums[*sums_at..*sums_at + len];
-            *sums_at += len;
-            let anchor = lattice.anchor_of(run.key);
-            records::write(&points[run.points()], anchor, errors, run.points(), sums);
-        }
+        records::of_each(errors, Sorting { section: self, found, points, lattice });
     }
 
     /// The runs of each part.
@@ -128,9 +114,9 @@ impl Section {
         })
     }
 
-    /// The runs of each part, to change, and what they add.
+    /// The runs of each part, to change, and what is known of their points.
     pub(super) fn parts_mut(&mut self) -> impl Iterator<Item = (&mut [Run], &[f64])> {
-        let (mut runs, mut sums) = (self.runs.as_mut_slice(), self.sums.as_slice());
+        let (mut runs, mut sums) = (self.runs.as_mut_slice(), self.records.as_slice());
         self.lengths.iter().map(move |lengths| {
             let (part, after) = std::mem::take(&mut runs).split_at_mut(lengths[0]);
             runs = after;
@@ -141,41 +127,59 @@ impl Section {
     }
 }
 
-/// The run that goes on, and the block it is in.
-struct Open {
-    key: VoxelKey,
-    first: usize,
-    block: Option<BlockKey>,
-    part: u8,
+/// Runs that are to be put in the order of their parts, with what is known of their points beside them: each part then reads on end.
+struct Sorting<'a> {
+    section: &'a mut Section,
+    found: &'a Found,
+    points: &'a [[f64; 3]],
+    lattice: Lattice,
 }
 
-impl Default for Open {
-    fn default() -> Self {
-        Self { key: NOWHERE, first: 0, block: None, part: 0 }
+impl OfEach for Sorting<'_> {
+    fn of_each<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]) {
+        let Self { section, found, points, lattice } = self;
+        let Section { runs, records, lengths, .. } = section;
+        let (mut next, mut total) = (found.lengths, [0; 2]);
+        for next in &mut next {
+            let lengths = std::mem::replace(next, total);
+            total = [total[0] + lengths[0], total[1] + lengths[1]];
+        }
+        lengths.clear();
+        lengths.extend(found.lengths.map(|[runs, points]| [runs, W * points]));
+        runs.resize(total[0], Run::default());
+        records.resize(W * total[1], 0.0);
+        let records = records.as_chunks_mut().0;
+        for (run, part) in &found.runs {
+            let [at, begin] = &mut next[usize::from(*part)];
+            runs[*at] = *run;
+            *at += 1;
+            let anchor = lattice.anchor_of(run.key);
+            for at in run.points() {
+                records[*begin] = record([0, 1, 2].map(|i| points[at][i] - anchor[i]), at);
+                *begin += 1;
+            }
+        }
     }
+}
+
+/// The run that goes on.
+struct Open {
+    key: VoxelKey,
+    part: u8,
+    first: usize,
 }
 
 impl Open {
     #[inline]
-    fn begin(&mut self, key: VoxelKey, first: usize) {
-        (self.key, self.first) = (key, first);
-        let block = BlockKey::of(key);
-        if self.block != Some(block) {
-            self.block = Some(block);
-            // There are few parts.
-            #[allow(clippy::cast_possible_truncation)]
-            let part = part_of(block.hash()) as u8;
-            self.part = part;
-        }
-    }
-
-    #[inline]
     fn close(&self, end: usize, found: &mut Found) {
         if self.key != NOWHERE {
+            let [runs, points] = &mut found.lengths[usize::from(self.part)];
+            *runs += 1;
+            *points += end - self.first;
             // A section has no more points than 16 bits can count.
             #[allow(clippy::cast_possible_truncation)]
             let (first, more) = (self.first as u16, (end - self.first - 1) as u16);
-            found.push((Run { key: self.key, slot: 0, first, more }, self.part));
+            found.runs.push((Run { key: self.key, slot: 0, first, more }, self.part));
         }
     }
 }

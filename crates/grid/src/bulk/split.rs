@@ -48,6 +48,29 @@ impl pulp::WithSimd for Several<'_> {
     }
 }
 
+/// The part that the block of each of up to [`BATCH`] voxels is of.
+pub(super) fn parts(keys: &[VoxelKey], to: &mut [u8; BATCH]) {
+    pulp::Arch::new().dispatch(Parts { keys, to });
+}
+
+struct Parts<'a> {
+    keys: &'a [VoxelKey],
+    to: &'a mut [u8; BATCH],
+}
+
+impl pulp::WithSimd for Parts<'_> {
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (part, key) in self.to.iter_mut().zip(self.keys) {
+            *part = BlockKey::of(*key).part();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,9 +81,12 @@ mod tests {
         fn voxels_are_split_as_one_by_one(keys in prop::collection::vec(prop::array::uniform3(any::<i32>()), 0..BATCH)) {
             let mut split = Split::new();
             split.split(&keys);
+            let mut parts = [0; BATCH];
+            super::parts(&keys, &mut parts);
             for (at, key) in keys.iter().enumerate() {
                 let block = BlockKey::of(*key);
                 prop_assert_eq!(split.blocks[at], block);
+                prop_assert_eq!(parts[at], block.part());
                 prop_assert_eq!(split.recent[at] as usize, block.recent());
                 prop_assert_eq!(split.places[at] as usize, place_of(*key));
             }
