@@ -36,19 +36,19 @@ pub(super) fn of_each(errors: &PointErrors<'_>, what: impl OfEach) {
 pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>, records: &[f64]) {
     let arch = pulp::Arch::new();
     match errors {
-        PointErrors::None => arch.dispatch(Runs {
+        PointErrors::None => arch.dispatch(AddRuns {
             slots,
             runs,
             records: records.as_chunks().0,
             push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [0.0; 3]),
         }),
-        PointErrors::Same(sigma) => arch.dispatch(Runs {
+        PointErrors::Same(sigma) => arch.dispatch(AddRuns {
             slots,
             runs,
             records: records.as_chunks().0,
             push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [sigma * sigma; 3]),
         }),
-        PointErrors::Each(_) => arch.dispatch(Runs {
+        PointErrors::Each(_) => arch.dispatch(AddRuns {
             slots,
             runs,
             records: records.as_chunks().0,
@@ -56,7 +56,7 @@ pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>
                 to.push_independent([*x, *y, *z], [*variance; 3]);
             },
         }),
-        PointErrors::Axes(_) => arch.dispatch(Runs {
+        PointErrors::Axes(_) => arch.dispatch(AddRuns {
             slots,
             runs,
             records: records.as_chunks().0,
@@ -64,7 +64,7 @@ pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>
                 to.push_independent([*x, *y, *z], [*a, *b, *c]);
             },
         }),
-        PointErrors::Covariances(_) => arch.dispatch(Runs {
+        PointErrors::Covariances(_) => arch.dispatch(AddRuns {
             slots,
             runs,
             records: records.as_chunks().0,
@@ -75,14 +75,14 @@ pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>
     }
 }
 
-struct Runs<'a, const W: usize, P> {
+struct AddRuns<'a, const W: usize, P> {
     slots: &'a mut Slots,
     runs: &'a [Run],
     records: &'a [[f64; W]],
     push: P,
 }
 
-impl<const W: usize, P: Fn(&mut Moments, &[f64; W])> pulp::WithSimd for Runs<'_, W, P> {
+impl<const W: usize, P: Fn(&mut Moments, &[f64; W])> pulp::WithSimd for AddRuns<'_, W, P> {
     type Output = ();
 
     // Into what it is dispatched to.
@@ -96,7 +96,9 @@ impl<const W: usize, P: Fn(&mut Moments, &[f64; W])> pulp::WithSimd for Runs<'_,
             let moments = &mut slots[run.slot].moments;
             // A copy that stays in registers.
             let mut sums = *moments;
-            of_run.iter().for_each(|record| push(&mut sums, record));
+            for record in of_run {
+                push(&mut sums, record);
+            }
             *moments = sums;
         }
     }
