@@ -3,7 +3,6 @@
 use super::locate::{BATCH, Located, NOWHERE};
 use super::split::Split;
 use super::{Chunk, Taken, records};
-use crate::ahead::Ahead;
 use crate::block::{BlockKey, RECENT};
 use crate::grid::Home;
 use crate::{CellId, VoxelGrid, VoxelKey};
@@ -50,7 +49,6 @@ impl VoxelGrid {
         let mut homes = [Home::default(); BATCH];
         let mut found = [None; BATCH];
         let lattice = self.lattice;
-        let ahead = Ahead::new();
         for (batch, points) in chunk.points.chunks(BATCH).enumerate() {
             let begin = batch * BATCH;
             let errors = chunk.errors.part(begin..begin + points.len());
@@ -70,11 +68,7 @@ impl VoxelGrid {
                     keys.zip(homes.iter_mut().zip(&mut *found))
                 {
                     match self.met(*block, *recent as usize, *place as usize) {
-                        Some(met) => {
-                            // Its sums are not needed before those of all in the batch are on their way.
-                            ahead.fetch(&self.parts[met.part as usize].slots[met.slot]);
-                            (*home, *found) = (met, Some(self.id_of(met)));
-                        }
+                        Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
                         None => *found = self.founded_at(*key, home),
                     }
                 }
