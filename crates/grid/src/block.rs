@@ -42,7 +42,7 @@ impl BlockKey {
     }
 
     /// The part it is of: without a branch, so that those of several are told at a time.
-    // Into what is dispatched to.
+    // Into what it is dispatched to.
     #[allow(clippy::inline_always)]
     #[inline(always)]
     pub(crate) fn part(self) -> u8 {

@@ -54,14 +54,6 @@ impl Moments {
         self.push_independent(v.value, v.variance());
     }
 
-    /// Adds vectors one after the other, each as [`push_independent`](Self::push_independent) does: the sums stay in registers.
-    #[inline]
-    pub fn extend_independent(&mut self, vectors: impl Iterator<Item = ([f64; 3], [f64; 3])>) {
-        let mut all = *self;
-        vectors.for_each(|(value, variances)| all.push_independent(value, variances));
-        *self = all;
-    }
-
     /// Adds a vector with weight 1 whose error has any covariance: that of a measurement along a ray, say.
     #[inline]
     pub fn push_covariant(&mut self, value: [f64; 3], covariance: &SymmetricMatrix3) {

@@ -9,70 +9,62 @@ use crate::part::Part;
 use crate::slots::Slots;
 
 /// What is done with points of which so many numbers are known.
-pub(super) trait OfEach {
+pub(super) trait WithRecords {
     /// `record` tells what is known of a point by where it is and its place among the errors.
-    fn of_each<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]);
+    fn with_records<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]);
 }
 
 /// Does it with as many numbers as errors take.
 #[inline]
-pub(super) fn of_each(errors: &PointErrors<'_>, what: impl OfEach) {
+pub(super) fn dispatch(errors: &PointErrors<'_>, what: impl WithRecords) {
     match errors {
-        PointErrors::None | PointErrors::Same(_) => what.of_each(|value, _| value),
-        PointErrors::Each(sigmas) => what.of_each(|[x, y, z], at| [x, y, z, sigmas[at] * sigmas[at]]),
-        PointErrors::Axes(sigmas) => what.of_each(|[x, y, z], at| {
+        PointErrors::None | PointErrors::Same(_) => what.with_records(|value, _| value),
+        PointErrors::Each(sigmas) => what.with_records(|[x, y, z], at| [x, y, z, sigmas[at] * sigmas[at]]),
+        PointErrors::Axes(sigmas) => what.with_records(|[x, y, z], at| {
             let [a, b, c] = sigmas[at].map(|sigma| sigma * sigma);
             [x, y, z, a, b, c]
         }),
-        PointErrors::Covariances(all) => what.of_each(|[x, y, z], at| {
+        PointErrors::Covariances(all) => what.with_records(|[x, y, z], at| {
             let [a, b, c, d, e, f] = all[at];
             [x, y, z, a, b, c, d, e, f]
         }),
     }
 }
 
-/// Adds runs of points that were written so, each to the sums of its cell: as one point after the other, with the same bits.
+/// Adds runs of points of which this is known, each to the sums of its cell: as one point after the other, with the same bits.
 #[inline]
 pub(super) fn add_runs(slots: &mut Slots, runs: &[Run], errors: &PointErrors<'_>, records: &[f64]) {
-    let arch = pulp::Arch::new();
     match errors {
-        PointErrors::None => arch.dispatch(AddRuns {
-            slots,
-            runs,
-            records: records.as_chunks().0,
-            push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [0.0; 3]),
+        PointErrors::None => {
+            add_with(slots, runs, records, |to, value: &[f64; 3]| to.push_independent(*value, [0.0; 3]));
+        }
+        PointErrors::Same(sigma) => {
+            let variances = [sigma * sigma; 3];
+            add_with(slots, runs, records, |to, value: &[f64; 3]| to.push_independent(*value, variances));
+        }
+        PointErrors::Each(_) => add_with(slots, runs, records, |to, [x, y, z, variance]: &[f64; 4]| {
+            to.push_independent([*x, *y, *z], [*variance; 3]);
         }),
-        PointErrors::Same(sigma) => arch.dispatch(AddRuns {
-            slots,
-            runs,
-            records: records.as_chunks().0,
-            push: |to: &mut Moments, value: &[f64; 3]| to.push_independent(*value, [sigma * sigma; 3]),
+        PointErrors::Axes(_) => add_with(slots, runs, records, |to, [x, y, z, a, b, c]: &[f64; 6]| {
+            to.push_independent([*x, *y, *z], [*a, *b, *c]);
         }),
-        PointErrors::Each(_) => arch.dispatch(AddRuns {
-            slots,
-            runs,
-            records: records.as_chunks().0,
-            push: |to: &mut Moments, [x, y, z, variance]: &[f64; 4]| {
-                to.push_independent([*x, *y, *z], [*variance; 3]);
-            },
-        }),
-        PointErrors::Axes(_) => arch.dispatch(AddRuns {
-            slots,
-            runs,
-            records: records.as_chunks().0,
-            push: |to: &mut Moments, [x, y, z, a, b, c]: &[f64; 6]| {
-                to.push_independent([*x, *y, *z], [*a, *b, *c]);
-            },
-        }),
-        PointErrors::Covariances(_) => arch.dispatch(AddRuns {
-            slots,
-            runs,
-            records: records.as_chunks().0,
-            push: |to: &mut Moments, [x, y, z, noise @ ..]: &[f64; 9]| {
+        PointErrors::Covariances(_) => {
+            add_with(slots, runs, records, |to, [x, y, z, noise @ ..]: &[f64; 9]| {
                 to.push_covariant([*x, *y, *z], &SymmetricMatrix3(*noise));
-            },
-        }),
+            });
+        }
     }
+}
+
+#[inline]
+fn add_with<const W: usize>(
+    slots: &mut Slots,
+    runs: &[Run],
+    records: &[f64],
+    push: impl Fn(&mut Moments, &[f64; W]),
+) {
+    // The same instructions, for more numbers at a time where the processor can: not one bit differs.
+    pulp::Arch::new().dispatch(AddRuns { slots, runs, records: records.as_chunks().0, push });
 }
 
 struct AddRuns<'a, const W: usize, P> {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::locate::{BATCH, Located, NOWHERE};
-use super::records::OfEach;
+use super::records::WithRecords;
 use super::{PointErrors, Taken, records, split};
 use crate::block::PARTS;
 use crate::key::Lattice;
@@ -57,7 +57,7 @@ impl Found {
 pub(super) struct Section {
     /// By part, then in the order of the points.
     runs: Vec<Run>,
-    /// What is known of their points, in the same order: see [`records::of_each`].
+    /// What is known of their points, in the same order: see [`WithRecords`].
     records: Vec<f64>,
     /// How many runs each part has, and how many numbers are known of their points.
     lengths: Vec<[usize; 2]>,
@@ -101,7 +101,7 @@ impl Section {
             }
         }
         open.close(points.len(), found);
-        records::of_each(errors, Sorting { section: self, found, points, lattice });
+        records::dispatch(errors, Sorting { section: self, found, points, lattice });
     }
 
     /// The runs of each part.
@@ -135,8 +135,8 @@ struct Sorting<'a> {
     lattice: Lattice,
 }
 
-impl OfEach for Sorting<'_> {
-    fn of_each<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]) {
+impl WithRecords for Sorting<'_> {
+    fn with_records<const W: usize>(self, record: impl Fn([f64; 3], usize) -> [f64; W]) {
         let Self { section, found, points, lattice } = self;
         let Section { runs, records, lengths, .. } = section;
         let (mut next, mut total) = (found.lengths, [0; 2]);
@@ -150,13 +150,13 @@ impl OfEach for Sorting<'_> {
         records.resize(W * total[1], 0.0);
         let records = records.as_chunks_mut().0;
         for (run, part) in &found.runs {
-            let [at, begin] = &mut next[usize::from(*part)];
-            runs[*at] = *run;
-            *at += 1;
+            let [next_run, next_point] = &mut next[usize::from(*part)];
+            runs[*next_run] = *run;
+            *next_run += 1;
             let anchor = lattice.anchor_of(run.key);
             for at in run.points() {
-                records[*begin] = record([0, 1, 2].map(|i| points[at][i] - anchor[i]), at);
-                *begin += 1;
+                records[*next_point] = record([0, 1, 2].map(|i| points[at][i] - anchor[i]), at);
+                *next_point += 1;
             }
         }
     }
