@@ -1,14 +1,17 @@
 //! Where planes end at each other.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::cell::{Noise, Sums};
 use crate::field::{COARSE, Field};
 use crate::flat::Flat;
 use crate::grow::Region;
+use crate::level::Level;
 
 /// A plane ends at another when this share of its points near it lies on one side.
 const ONE_SIDED: f64 = 0.95;
@@ -22,49 +25,78 @@ pub(crate) struct Ends {
     side: BTreeMap<(u32, u32), f64>,
 }
 
+/// The regions of each of some groups.
+struct Held {
+    regions: Vec<u32>,
+    starts: Vec<usize>,
+}
+
+impl Held {
+    fn of(level: &Level, groups: Range<usize>, region_of: &[Option<u32>]) -> Self {
+        let (mut regions, mut starts): (Vec<u32>, Vec<usize>) = (Vec::new(), vec![0]);
+        for group in groups {
+            let first = regions.len();
+            for region in level.cells(group).filter_map(|cell| region_of[cell as usize]) {
+                if !regions[first..].contains(&region) {
+                    regions.push(region);
+                }
+            }
+            starts.push(regions.len());
+        }
+        Self { regions, starts }
+    }
+
+    fn of_group(&self, at: usize) -> &[u32] {
+        &self.regions[self.starts[at]..self.starts[at + 1]]
+    }
+}
+
 impl Ends {
     /// Looks at the cells of each region near those of another, off its plane by at least an error.
     pub(crate) fn of(field: &Field, noise: Noise, region_of: &[Option<u32>], regions: &[Region]) -> Self {
         let level = &field.levels[COARSE];
-        let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
-        // The regions of each group, by number.
-        let (mut of_groups, mut starts): (Vec<u32>, Vec<usize>) = (Vec::new(), vec![0]);
-        for group in 0..level.len() {
-            let first = of_groups.len();
-            for region in level.cells(group).filter_map(|cell| region_of[cell as usize]) {
-                if !of_groups[first..].contains(&region) {
-                    of_groups.push(region);
+        // As many parts as threads: what they found is put together in the end, in sums of whole numbers.
+        let at_once = level.len().div_ceil(rayon::current_num_threads()).max(1);
+        let parts = || (0..level.len()).into_par_iter().step_by(at_once);
+        let part = |first: usize| first..(first + at_once).min(level.len());
+        let held: Vec<Held> = parts().map(|first| Held::of(level, part(first), region_of)).collect();
+        let of_group = |group: usize| held[group / at_once].of_group(group % at_once);
+        let of_part = |first: usize| {
+            let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
+            let mut here: Vec<u32> = Vec::new();
+            for group in part(first) {
+                let [own, ..] = of_group(group) else { continue };
+                here.clear();
+                here.push(*own);
+                let around =
+                    std::iter::once(group).chain(level.near(group).iter().map(|near| *near as usize));
+                for region in around.flat_map(of_group) {
+                    if !here.contains(region) {
+                        here.push(*region);
+                    }
                 }
-            }
-            starts.push(of_groups.len());
-        }
-        let of_group = |group: usize| &of_groups[starts[group]..starts[group + 1]];
-        let mut here: Vec<u32> = Vec::new();
-        for group in 0..level.len() {
-            let [own, ..] = of_group(group) else { continue };
-            here.clear();
-            here.push(*own);
-            let around = std::iter::once(group).chain(level.near(group).iter().map(|near| *near as usize));
-            for region in around.flat_map(of_group) {
-                if !here.contains(region) {
-                    here.push(*region);
-                }
-            }
-            if here.len() < 2 {
-                continue;
-            }
-            for cell in level.cells(group) {
-                let (Some(own), sums) = (region_of[cell as usize], &field.cells[cell as usize]) else {
+                if here.len() < 2 {
                     continue;
-                };
-                for other in here.iter().filter(|other| **other != own) {
-                    let plane = &regions[*other as usize].fitted.plane;
-                    let off = plane.distance(sums.mean);
-                    if off * off > noise.variance(sums, plane.normal) {
-                        sides.entry((own, *other)).or_default()[usize::from(off > 0.0)] += sums.points;
+                }
+                for cell in level.cells(group) {
+                    let (Some(own), sums) = (region_of[cell as usize], &field.cells[cell as usize]) else {
+                        continue;
+                    };
+                    for other in here.iter().filter(|other| **other != own) {
+                        let plane = &regions[*other as usize].fitted.plane;
+                        let off = plane.distance(sums.mean);
+                        if off * off > noise.variance(sums, plane.normal) {
+                            sides.entry((own, *other)).or_default()[usize::from(off > 0.0)] += sums.points;
+                        }
                     }
                 }
             }
+            sides
+        };
+        let mut sides: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
+        for (pair, more) in parts().map(of_part).collect::<Vec<_>>().into_iter().flatten() {
+            let all = sides.entry(pair).or_default();
+            *all = [all[0] + more[0], all[1] + more[1]];
         }
         let one_sided = |[below, above]: [f64; 2]| {
             let least = ONE_SIDED * (below + above);

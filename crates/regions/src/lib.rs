@@ -99,6 +99,7 @@ mod slice;
 mod sum;
 mod surface;
 mod turned;
+mod weighed;
 
 pub use bend::{Bend, Column};
 pub use cell::Cell;

@@ -1,5 +1,7 @@
 //! How many points of each cell are of which region.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::cell::{Noise, Sums};
@@ -7,15 +9,14 @@ use crate::ends::{End, Ends};
 use crate::field::Field;
 use crate::flat::Flat;
 use crate::grow::Region;
-use crate::near::{Near, Nearby, Several, Within};
+use crate::near::{Near, Nearby, Several};
 use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
 use crate::samples::Sample;
+use crate::weighed::Weighed;
 use crate::{Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
 const ROUNDS: usize = 4;
-/// Shares below this are none.
-const LEAST_SHARE: f64 = 1e-3;
 /// A region that keeps a smaller share of the points of its cells is explained by others.
 const OWN: f64 = 0.5;
 /// Cells that are handed to a thread at once.
@@ -39,17 +40,56 @@ struct Before<'a> {
 /// Memory that a thread works with.
 #[derive(Default)]
 struct Work<'s> {
-    /// The cells that are looked at.
+    /// The cells that are looked at, and those of them whose sample is.
     todo: Vec<usize>,
+    anew: Vec<usize>,
     shares: Vec<(u32, f64)>,
     ends: Vec<End>,
     parts: Vec<Part>,
-    scores: Vec<f32>,
+    likely: Vec<f32>,
     samples: Vec<Sample<'s>>,
     packed: Vec<[i16; 3]>,
     /// The places of these, one after the other, and where each begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
+}
+
+/// A cell that was looked at.
+struct Seen {
+    parts: Parts,
+    /// Whether some of its points may be of two regions.
+    is_open: bool,
+    /// From what it was before.
+    difference: Difference,
+}
+
+/// What is known of the surroundings of each cell.
+struct Around {
+    nearby: Vec<Nearby>,
+    /// Where that of its sample is kept which several regions are near.
+    kept: Vec<Range<usize>>,
+    /// By as many cells as are handed to a thread at once.
+    weighed: Vec<Weighed>,
+}
+
+impl Around {
+    fn new(cells: usize) -> Self {
+        let (nearby, kept) = (vec![Nearby::None; cells], vec![0..0; cells]);
+        Self { nearby, kept, weighed: vec![Weighed::default(); cells.div_ceil(AT_ONCE)] }
+    }
+
+    fn chunks_mut(&mut self) -> impl IndexedParallelIterator<Item = AroundSome<'_>> {
+        let chunks = self.nearby.par_chunks_mut(AT_ONCE).zip(self.kept.par_chunks_mut(AT_ONCE));
+        let some = |((nearby, kept), weighed)| AroundSome { nearby, kept, weighed };
+        chunks.zip(&mut self.weighed).map(some)
+    }
+}
+
+/// That of some cells on end.
+struct AroundSome<'a> {
+    nearby: &'a mut [Nearby],
+    kept: &'a mut [Range<usize>],
+    weighed: &'a mut Weighed,
 }
 
 /// What stays the same over the rounds.
@@ -104,17 +144,18 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         };
         let mut parts: Vec<Parts> = self.field.cells.iter().zip(&region_of).map(first).collect();
         let mut codes: Vec<u32> = parts.iter().map(Parts::code).collect();
-        let mut nearby = vec![Nearby::None; cells];
+        let mut around = Around::new(cells);
         // Whether some point of a cell may be of two regions: their shares then matter.
         let mut is_open = vec![false; cells];
         let mut again = vec![true; cells];
         for round in 1..=ROUNDS {
             let before = Before { parts: &parts, codes: &codes };
-            let found = self.look_again(&again, &mut nearby, before, &candidates, &ends);
+            let found = self.look_again(&again, &mut around, before, &candidates, &ends);
             let mut changed = Vec::new();
             let todo = (0..cells).filter(|cell| again[*cell]);
-            for (cell, (now, open)) in todo.zip(found.into_iter().flatten()) {
-                let difference = now.differ(&parts[cell], self.field.cells[cell].points);
+            for (cell, Seen { parts: now, is_open: open, difference }) in
+                todo.zip(found.into_iter().flatten())
+            {
                 if difference != Difference::None {
                     changed.push((cell, difference));
                 }
@@ -135,36 +176,52 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                         codes[cell] = parts[cell].code();
                         self.mark_around(cell, &mut again, |_| true);
                     }
-                    again[cell] |= !nearby[cell].regions().iter().all(|near| left(near.region));
+                    again[cell] |= !around.nearby[cell].regions().iter().all(|near| left(near.region));
                 }
             }
         }
-        (OfCells { nearby, parts }, candidates)
+        (OfCells { nearby: around.nearby, parts }, candidates)
     }
 
-    /// Looks at some cells: finds what is near them, in place of what was, and gives their parts, and whether they are open.
+    /// Looks at some cells: finds what is near them, in place of what was, and gives their parts. The samples of those that have the same regions near them are not looked at again.
     fn look_again(
         &self,
         again: &[bool],
-        nearby: &mut [Nearby],
+        around: &mut Around,
         before: Before<'_>,
         candidates: &[Option<Candidate>],
         ends: &Ends,
-    ) -> Vec<Vec<(Parts, bool)>> {
-        let cells = again.par_chunks(AT_ONCE).zip(nearby.par_chunks_mut(AT_ONCE)).enumerate();
-        let of_some = |work: &mut Work<'s>, (number, (again, nearby)): (usize, (&[bool], &mut [Nearby]))| {
+    ) -> Vec<Vec<Seen>> {
+        let cells = again.par_chunks(AT_ONCE).zip(around.chunks_mut()).enumerate();
+        let of_some = |work: &mut Work<'s>, (number, (again, some)): (usize, (&[bool], AroundSome<'_>))| {
+            let AroundSome { nearby, kept, weighed } = some;
             let first = number * AT_ONCE;
             work.todo.clear();
             work.todo.extend((0..again.len()).filter(|at| again[*at]));
-            work.unpack(self, first);
-            let all = 0..work.todo.len();
-            let look = |number: usize| {
+            work.anew.clear();
+            for number in 0..work.todo.len() {
                 let at = work.todo[number];
                 let known = std::mem::replace(&mut nearby[at], Nearby::None);
-                nearby[at] = self.nearby(first + at, known, before, candidates, ends, work);
-                self.look(first + at, number, &nearby[at], work)
-            };
-            all.map(look).collect()
+                let (now, is_new) = self.nearby(first + at, known, before, candidates, ends, work);
+                nearby[at] = now;
+                if is_new {
+                    work.anew.push(at);
+                }
+            }
+            work.unpack(self, first);
+            let mut anew = 0;
+            let mut found = Vec::with_capacity(work.todo.len());
+            for number in 0..work.todo.len() {
+                let at = work.todo[number];
+                let place = (work.anew.get(anew) == Some(&at)).then_some(anew);
+                anew += usize::from(place.is_some());
+                let kept = (&mut kept[at], &mut *weighed);
+                let (parts, is_open) = self.look(first + at, &nearby[at], place, before, kept, work);
+                let points = self.field.cells[first + at].points;
+                let difference = parts.differ(&before.parts[first + at], points);
+                found.push(Seen { parts, is_open, difference });
+            }
+            found
         };
         cells.map_init(Work::default, of_some).collect()
     }
@@ -199,7 +256,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         candidates.iter().flatten().count() < before
     }
 
-    /// The regions around a cell, by number. `known` were those before, and `work` is memory to work with.
+    /// The regions around a cell, by number, and whether these are others than before, which `known` are. `work` is memory to work with.
     fn nearby(
         &self,
         cell: usize,
@@ -208,7 +265,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         candidates: &[Option<Candidate>],
         ends: &Ends,
         work: &mut Work<'s>,
-    ) -> Nearby {
+    ) -> (Nearby, bool) {
         let Work { shares, ends: here_ends, .. } = work;
         shares.clear();
         let around =
@@ -243,9 +300,9 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                 for (near, (_, points)) in several.near.iter_mut().zip(&*shares) {
                     near.prior = prior(*points);
                 }
-                return Nearby::Several(several);
+                return (Nearby::Several(several), false);
             }
-            return known;
+            return (known, false);
         }
         let (sums, anchor) = (&self.field.cells[cell], self.field.anchors[cell]);
         let near = |(region, points): (u32, f64)| {
@@ -263,7 +320,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                 ends: (0, 0),
             })
         };
-        match shares[..] {
+        let now = match shares[..] {
             [] => Nearby::None,
             [one] => near(one).map_or(Nearby::None, Nearby::One),
             _ => {
@@ -284,25 +341,41 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                 }
                 Nearby::Several(Several { near: all.into(), ends: here_ends.as_slice().into() })
             }
-        }
+        };
+        (now, true)
     }
 
-    /// What the points of a cell are of, with these regions near it, and whether some may be of two: one of those whose samples are in `work`.
-    fn look(&self, cell: usize, at: usize, nearby: &Nearby, work: &mut Work<'s>) -> (Parts, bool) {
+    /// What the points of a cell are of, with these regions near it, and whether some may be of two. `anew` tells which sample in `work` is
+    /// its own, if others were near it before; what is known of it otherwise, or now, is `kept` there in `weighed`.
+    fn look(
+        &self,
+        cell: usize,
+        nearby: &Nearby,
+        anew: Option<usize>,
+        before: Before<'_>,
+        (kept, weighed): (&mut Range<usize>, &mut Weighed),
+        work: &mut Work<'s>,
+    ) -> (Parts, bool) {
         let points = self.field.cells[cell].points;
-        let Work { places, starts, parts, scores, .. } = work;
-        let places = &places[starts[at]..starts[at + 1]];
-        let each = points / places.len() as f64;
+        let Work { places, starts, parts, likely, .. } = work;
+        let places = anew.map(|at| &places[starts[at]..starts[at + 1]]);
         let reach = single(self.settings.reach);
-        match nearby {
-            Nearby::None => (Parts::None, false),
-            Nearby::One(near) => {
+        match (nearby, places) {
+            (Nearby::None, _) => (Parts::None, false),
+            // Its share does not matter.
+            (Nearby::One(_), None) => (before.parts[cell].clone(), false),
+            (Nearby::One(near), Some(places)) => {
                 let within = places.iter().filter(|place| near.errors(**place, reach).is_some()).count();
-                let points = within as f64 * each;
+                let points = within as f64 * (points / places.len() as f64);
                 let part = Part { region: near.region, expected: points, labelled: points };
                 (if within > 0 { Parts::One(part) } else { Parts::None }, false)
             }
-            Nearby::Several(several) => several.mixed(places, each, reach, (parts, scores)),
+            (Nearby::Several(several), places) => {
+                if let Some(places) = places {
+                    *kept = weighed.weigh(several, places, reach);
+                }
+                weighed.mixed(kept.clone(), several, points, (parts, likely))
+            }
         }
     }
 
@@ -318,80 +391,18 @@ impl<'s> Work<'s> {
     /// Finds the places of samples of the cells that are looked at, the first of all being of this number. Step by step: so the memory of
     /// one is not waited for before that of the next is asked for.
     fn unpack<S: Fn(usize) -> Sample<'s> + Sync>(&mut self, mixture: &Mixture<'_, S>, first: usize) {
-        let Self { todo, samples, packed, places, starts, .. } = self;
+        let Self { anew, samples, packed, places, starts, .. } = self;
         samples.clear();
-        samples.extend(todo.iter().map(|at| (mixture.samples)(first + at)));
+        samples.extend(anew.iter().map(|at| (mixture.samples)(first + at)));
         Sample::unpack(samples, packed, places, starts);
         // A cell has points.
-        for ((at, start), sample) in todo.iter().zip(&*starts).zip(&*samples) {
+        for ((at, start), sample) in anew.iter().zip(&*starts).zip(&*samples) {
             if sample.is_empty()
                 && let Some(middle) = mixture.field.middle(first + at)
             {
                 places[*start] = middle;
             }
         }
-    }
-}
-
-impl Several {
-    /// The parts of a cell with a sample of points that stand for so many `each`, and whether any could be of two regions.
-    /// The lists are memory to work with.
-    fn mixed(
-        &self,
-        places: &[[f32; 3]],
-        each: f64,
-        reach: f32,
-        (parts, scores): (&mut Vec<Part>, &mut Vec<f32>),
-    ) -> (Parts, bool) {
-        parts.clear();
-        parts.extend(self.near.iter().map(|near| Part { region: near.region, expected: 0.0, labelled: 0.0 }));
-        scores.clear();
-        scores.resize(parts.len(), f32::INFINITY);
-        let mut is_open = false;
-        for place in places {
-            match self.group().within(*place, reach) {
-                Within::None => continue,
-                Within::One(at) => {
-                    parts[at].labelled += each;
-                    parts[at].expected += each;
-                    continue;
-                }
-                Within::Several => {}
-            }
-            let (mut least, mut best) = (f32::INFINITY, 0);
-            for ((at, near), score) in self.near.iter().enumerate().zip(&mut *scores) {
-                *score = self.group().score(near, *place, reach).unwrap_or(f32::INFINITY);
-                if *score < least {
-                    (least, best) = (*score, at);
-                }
-            }
-            parts[best].labelled += each;
-            is_open = true;
-            // In place of the scores.
-            let mut all = 0.0;
-            for score in scores.iter_mut() {
-                *score = likelihood(*score - least);
-                all += f64::from(*score);
-            }
-            for (part, likely) in parts.iter_mut().zip(&*scores) {
-                let share = f64::from(*likely) / all;
-                part.expected += if share > LEAST_SHARE { each * share } else { 0.0 };
-            }
-        }
-        parts.retain(|part| part.expected > 0.0);
-        (Parts::of(parts), is_open)
-    }
-}
-
-/// How probable something is beside the most probable, from −2 ln of it.
-fn likelihood(score: f32) -> f32 {
-    // What is beyond the reach, or the most probable itself.
-    if score == f32::INFINITY {
-        0.0
-    } else if score <= 0.0 {
-        1.0
-    } else {
-        single(f64::from(-0.5 * score).exp())
     }
 }
 

@@ -83,10 +83,16 @@ impl Group<'_> {
     #[inline]
     pub(crate) fn score(self, near: &Near, place: [f32; 3], reach: f32) -> Option<f32> {
         let errors = near.errors(place, reach)?;
+        Some(errors * errors + self.outside(near, place) + near.prior)
+    }
+
+    /// How improbable it is that a point is inside the ends of a region, as −2 ln.
+    #[inline]
+    pub(crate) fn outside(self, near: &Near, place: [f32; 3]) -> f32 {
         let (first, count) = (near.ends.0 as usize, near.ends.1 as usize);
         let ends = self.ends.get(first..first + count).unwrap_or(&[]);
         let inside: f32 = ends.iter().map(|end| end.ln_inside(place)).sum();
-        Some(errors * errors + near.prior - 2.0 * inside)
+        -2.0 * inside
     }
 
     /// The place among the regions of that which a point is most probably of.

@@ -261,20 +261,23 @@ impl Grown {
         let plane =
             |(_, region): &(u32, Region)| Flat { normal: region.normal.into(), point: region.point.into() };
         let planes = found.iter().map(plane).collect();
-        let mut of_pieces = pieces.iter().peekable();
-        let number = |cell: u32, region: u32| {
-            // Cells are asked for in their order, each for several regions.
-            while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
-            let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
-            // What no sampled point is of has the number of the largest part.
-            rank[of_pieces
-                .clone()
-                .take_while(|piece| piece.cell == cell)
-                .find(same)
-                .map_or(region, |piece| piece.region) as usize]
+        let numbers = |first: u32| {
+            let begin = pieces.partition_point(|piece| piece.cell < first);
+            let mut of_pieces = pieces[begin..].iter().peekable();
+            let (surface_of, rank) = (&surface_of, &rank);
+            move |cell: u32, region: u32| {
+                while of_pieces.next_if(|piece| piece.cell < cell).is_some() {}
+                let same = |piece: &&Piece| piece.cell == cell && surface_of[piece.region as usize] == region;
+                // What no sampled point is of has the number of the largest part.
+                rank[of_pieces
+                    .clone()
+                    .take_while(|piece| piece.cell == cell)
+                    .find(same)
+                    .map_or(region, |piece| piece.region) as usize]
+            }
         };
         let (labeller, shares) =
-            rayon::join(|| Labeller::of(&field, anchors, of_cells, settings.reach, number, planes), shares);
+            rayon::join(|| Labeller::of(&field, anchors, of_cells, settings.reach, numbers, planes), shares);
         Found {
             shares,
             regions: found.into_iter().map(|(_, region)| region).collect(),

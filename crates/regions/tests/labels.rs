@@ -98,6 +98,25 @@ fn neither_order_nor_parts_of_points_matter() {
 }
 
 #[test]
+fn a_tally_that_was_taken_is_as_new() {
+    let sorted = corner(9).cells(EDGE);
+    let found = found(&sorted);
+    let all = sorted.places.len();
+    let mut tally = found.labeller.tally();
+    for range in [0..0, 0..all / 3, all / 3..all / 3 + 1, all / 3..all] {
+        let points = range.clone().map(|at| (sorted.cell_of[at], sorted.places[at], ()));
+        found.labeller.label_into(points, &mut tally, |(), _| ());
+        let mut taken = vec![Measure::default(); found.regions.len()];
+        tally.take(|plane, measure| {
+            assert_eq!(taken[plane as usize], Measure::default());
+            taken[plane as usize] = measure;
+        });
+        assert_eq!(taken, label(&found, &sorted, range).1);
+        tally.take(|plane, measure| panic!("{plane} {measure:?}"));
+    }
+}
+
+#[test]
 fn points_of_no_cell_and_of_no_place_have_no_label() {
     let sorted = corner(8).cells(EDGE);
     let found = found(&sorted);

@@ -20,6 +20,8 @@ pub(crate) struct Fine<'m> {
     cells: Vec<Source>,
     /// The larger cell that each is a part of, or is.
     of: Vec<CellId>,
+    /// Of which whole cells others are parts, until these are [sampled](Self::sample_wholes).
+    parts: Vec<PartOf>,
     /// Samples of the points of whole cells.
     of_whole: Option<Together<'m>>,
     pub(crate) places: Places,
@@ -64,6 +66,7 @@ impl<'m> Fine<'m> {
             samples,
             cells: Vec::with_capacity(grid.len()),
             of: Vec::with_capacity(grid.len()),
+            parts: Vec::new(),
             of_whole: None,
             places: Places::default(),
             points: 0,
@@ -71,7 +74,6 @@ impl<'m> Fine<'m> {
         // By larger cell, its number among the whole ones and its place among all.
         let mut wholes: Vec<Option<(u32, Option<u32>)>> = vec![None; coarse.grid.len()];
         let mut whole = 0;
-        let mut parts: Vec<PartOf> = Vec::new();
         let mut places: Vec<Option<u32>> = Vec::with_capacity(grid.len());
         for ((number, cell), of) in (0..).zip(grid.founded()).zip(&coarse.of) {
             let place = u32::try_from(fine.cells.len()).ok();
@@ -84,7 +86,7 @@ impl<'m> Fine<'m> {
                 });
                 // Were there more, others would be sampled as if there were not.
                 let points = u32::try_from(points).unwrap_or(u32::MAX);
-                parts.push(PartOf { whole, part: number, points });
+                fine.parts.push(PartOf { whole, part: number, points });
                 places.push(place);
             } else if is_usable(cell.moments()) {
                 fine.push(Source::Half(cell.id()), *of);
@@ -98,8 +100,15 @@ impl<'m> Fine<'m> {
         if fine.cells.len() < places.len() {
             fine.places = Places(places);
         }
-        fine.of_whole = (!parts.is_empty()).then(|| samples.together(parts));
         fine
+    }
+
+    /// Samples the whole cells: before that they have none, which growth does not need.
+    pub(crate) fn sample_wholes(&mut self) {
+        let parts = std::mem::take(&mut self.parts);
+        if !parts.is_empty() {
+            self.of_whole = Some(self.samples.together(parts));
+        }
     }
 
     fn push(&mut self, source: Source, of: CellId) {
@@ -232,7 +241,9 @@ mod tests {
     }
 
     fn fine(mapper: &Mapper) -> Fine<'_> {
-        Fine::of(mapper.fine().unwrap(), mapper.coarse().unwrap(), mapper.samples().unwrap())
+        let mut fine = Fine::of(mapper.fine().unwrap(), mapper.coarse().unwrap(), mapper.samples().unwrap());
+        fine.sample_wholes();
+        fine
     }
 
     #[test]

@@ -108,7 +108,7 @@ impl<'m> Grown<'m> {
             return Err(ExtractError::Empty);
         };
         begins(Stage::Normals { cells: grid.len() });
-        let (mut nodes, fine) = rayon::join(
+        let (mut nodes, mut fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
             || Fine::of(&cells, coarse, samples),
         );
@@ -129,8 +129,11 @@ impl<'m> Grown<'m> {
             Cow::Owned(cells) => Some(cells.into_index()),
         };
         // Regions grow one after the other: what does not need them has the other threads.
-        let (grown, ()) =
-            Surfaces::beside(field, &settings_of_find, || nodes.find_normals(grid, mapper.params()))?;
+        let beside = || {
+            nodes.find_normals(grid, mapper.params());
+            fine.sample_wholes();
+        };
+        let (grown, ()) = Surfaces::beside(field, &settings_of_find, beside)?;
         let found = grown.find(fine.points, |place| fine.sample(place));
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
