@@ -94,18 +94,24 @@ impl Mapper {
             labels.face_by_cells(&mut map);
             return Ok(map);
         }
-        let kept = self.take_kept();
-        self.extract_kept(Cow::Owned(kept), begins)
+        let kept = Cow::Owned(self.take_kept());
+        match self.params().grows() {
+            Some(regions) => {
+                let cells = self.take_fine().map(Cow::Owned);
+                self.extract_regions(cells, &regions, kept, begins)
+            }
+            None => self.extract_clusters(kept, begins),
+        }
     }
 
-    /// The planes, and the labels of all points that are kept: in the memory of their cells, if that is given away and in one piece.
+    /// The planes, and the labels of all points that are kept.
     pub(crate) fn extract_kept(
         &self,
         kept: Cow<'_, [Kept]>,
         begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
         match self.params().grows() {
-            Some(regions) => self.extract_regions(&regions, kept, begins),
+            Some(regions) => self.extract_regions(self.fine().map(Cow::Borrowed), &regions, kept, begins),
             None => self.extract_clusters(kept, begins),
         }
     }

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use terrace_grid::VoxelGrid;
 use terrace_types::PlaneId;
 
 use super::tallies::{Measures, Tallies};
@@ -23,7 +22,7 @@ impl Grown<'_> {
     }
 
     fn label_beside(&self, kept: &[Kept]) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
-        let (labeller, unit) = (&self.found.labeller, self.unit());
+        let (labeller, unit) = (&self.found.labeller, self.unit);
         let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
         let points: Vec<usize> = kept.iter().map(|kept| kept.places.len()).collect();
         let by_view = self.by_view(&points, |part, range, tallies| {
@@ -47,7 +46,7 @@ impl Grown<'_> {
     }
 
     fn label_in_place(&self, kept: Kept) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
-        let (labeller, unit) = (&self.found.labeller, self.unit());
+        let (labeller, unit) = (&self.found.labeller, self.unit);
         let Kept { cells, places } = kept;
         let mut tags = Tags::of(cells);
         let by_view = self.by_view(&[places.len()], |_, range, tallies| {
@@ -85,10 +84,5 @@ impl Grown<'_> {
             measures
         };
         self.mapper.views().iter().map(measures).collect()
-    }
-
-    /// What places are whole multiples of, in metres.
-    fn unit(&self) -> f64 {
-        self.mapper.fine().map_or(1.0, VoxelGrid::place_unit)
     }
 }

@@ -45,20 +45,23 @@ pub(crate) struct Grown<'m> {
     nodes: Nodes,
     errors: Errors<'m>,
     pub(crate) fine: Fine<'m>,
+    /// What places of points are whole multiples of, in metres.
+    unit: f64,
     /// Which cells there were, of a grid that was given away.
     index: Option<CellIndex>,
     pub(crate) found: Found,
 }
 
 impl Mapper {
-    /// The planes as regions, and the labels of all points, of which these are kept.
+    /// The planes as regions, and the labels of all points, of which these are kept. Of its fine cells, as [`Grown::of`] takes them.
     pub(crate) fn extract_regions(
         &self,
+        cells: Option<Cow<'_, VoxelGrid>>,
         settings: &Regions,
         kept: Cow<'_, [Kept]>,
         mut begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
-        let mut grown = Grown::of(self, self.fine().map(Cow::Borrowed), &kept, settings, &mut begins)?;
+        let mut grown = Grown::of(self, cells, &kept, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let (mut labels, by_view) = grown.label_kept(kept);
         let measures = summed(&by_view, grown.found.regions.len());
@@ -124,6 +127,7 @@ impl<'m> Grown<'m> {
         } else {
             fine.find_errors(&cells, &mut field, &mut errors)?;
         }
+        let unit = cells.place_unit();
         let index = match cells {
             Cow::Borrowed(_) => None,
             Cow::Owned(cells) => Some(cells.into_index()),
@@ -141,12 +145,12 @@ impl<'m> Grown<'m> {
             min_area: found.min_area,
         };
         let used = Used { grown: Some(grown), ..used };
-        Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, index, found })
+        Ok(Self { mapper, settings: *settings, grid, used, nodes, errors, fine, unit, index, found })
     }
 
     /// The planes with their covariances, joined where that is asked for.
     fn planes(self) -> Planes {
-        let Self { mapper, settings, grid, used, nodes, mut errors, fine, index, found } = self;
+        let Self { mapper, settings, grid, used, nodes, mut errors, fine, index, found, .. } = self;
         let mut owner = OwnerOfCells { nodes: &nodes, of: fine.planes_of_cells(&found) };
         let mut planes = extracted(&found, &owner);
         let asked = mapper.params().estimate.is_some();
