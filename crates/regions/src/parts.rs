@@ -6,7 +6,7 @@ use terrace_stats::{Stats, UncertainVector};
 
 use crate::field::{COARSE, Field};
 use crate::labels::{Piece, by_region};
-use crate::level::Level;
+use crate::level::{Level, number};
 
 /// The planes of a scene hang together at a resolution when their largest parts hold this share of their points.
 const HANG_TOGETHER: f64 = 0.85;
@@ -264,12 +264,6 @@ impl Groups {
             }
         }
     }
-}
-
-/// Groups are numbered with 32 bits.
-#[allow(clippy::cast_possible_truncation)]
-fn number(place: usize) -> u32 {
-    place as u32
 }
 
 #[cfg(test)]

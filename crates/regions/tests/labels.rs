@@ -117,6 +117,26 @@ fn a_tally_that_was_taken_is_as_new() {
 }
 
 #[test]
+fn points_are_told_by_parts_of_cells_as_by_cells() {
+    let sorted = corner(10).cells(EDGE);
+    let found = found(&sorted);
+    // Two parts of each cell, the last cell first, and one part of none.
+    let cells = u32::try_from(sorted.cells.len()).unwrap();
+    let of = (0..2 * cells).map(|part| Some(cells - 1 - part / 2)).chain([None, Some(cells)]);
+    let by_parts = found.labeller.clone().by_parts(of);
+    for (at, (cell, place)) in sorted.cell_of.iter().zip(&sorted.places).enumerate() {
+        let part = 2 * (cells - 1 - cell.unwrap()) + u32::from(at % 2 == 1);
+        assert_eq!(by_parts.label(part, *place), found.labeller.label(cell.unwrap(), *place));
+    }
+    let points = || sorted.cell_of.iter().zip(&sorted.places);
+    let parts = points().map(|(cell, place)| (Some(2 * (cells - 1 - cell.unwrap())), *place, ()));
+    let whole = points().map(|(cell, place)| (*cell, *place, ()));
+    let label = |(): (), _: Option<u32>| ();
+    assert_eq!(by_parts.label_all(parts, label), found.labeller.label_all(whole, label));
+    assert_eq!([2 * cells, 2 * cells + 1].map(|part| by_parts.label(part, [0.0; 3])), [None; 2]);
+}
+
+#[test]
 fn points_of_no_cell_and_of_no_place_have_no_label() {
     let sorted = corner(8).cells(EDGE);
     let found = found(&sorted);

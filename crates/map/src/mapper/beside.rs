@@ -9,9 +9,9 @@ use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
 use terrace_regions::Samples;
 use terrace_types::Scan;
 
-use super::insert::{both, number};
+use super::insert::both;
 use super::line::{Line, lock};
-use super::{Kept, Mapper};
+use super::{Kept, Mapper, cell_number};
 use crate::InsertError;
 use crate::seen::Seen;
 use crate::world::World;
@@ -103,7 +103,7 @@ impl Behind<'_> {
     fn take(&mut self, part: &Part) {
         let Part { cells, places, .. } = part;
         if let Some(samples) = &mut self.samples {
-            samples.push_alone(|at| number(cells[at]), places);
+            samples.push_alone(|at| cells[at].map(cell_number), places);
         }
         if let Some(seen) = &mut self.seen {
             seen.push(cells);

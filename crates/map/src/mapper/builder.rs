@@ -4,8 +4,8 @@ use terrace_grid::{GridError, VoxelKey};
 use terrace_regions::SampleError;
 use terrace_stats::Moments;
 
-use super::parts::{MapCell, number};
-use super::{Mapper, View};
+use super::parts::MapCell;
+use super::{Mapper, View, cell_number};
 use crate::seen::Seen;
 use crate::{CellSizeChoice, Params, StreamingError};
 
@@ -169,7 +169,7 @@ impl MapBuilder {
             }
             // A map that grows no regions has none.
             if let Some(samples) = &mut self.mapper.samples {
-                samples.restore(number(id), &cell.sample, cell.halvings).map_err(sample)?;
+                samples.restore(cell_number(id), &cell.sample, cell.halvings).map_err(sample)?;
             }
         }
         self.seen.restore(id, cell.seen);

@@ -2,12 +2,12 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{CellId, GridError, Taken};
+use terrace_grid::{GridError, Taken};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
 
-use super::{Kept, Mapper, View};
+use super::{Kept, Mapper, View, cell_number};
 use crate::cell_size::choose_from;
 use crate::world::World;
 use crate::{InsertError, Inserted, Weighting};
@@ -152,7 +152,7 @@ impl Mapper {
             }
             if let Some(samples) = self.samples.as_mut().filter(|_| grows) {
                 let cells = &kept.cells[begin..];
-                samples.push_all(|at| number(cells[at]), &kept.places[begin..]);
+                samples.push_all(|at| cells[at].map(cell_number), &kept.places[begin..]);
             }
         }
         Ok(all)
@@ -214,14 +214,6 @@ pub(super) fn both(all: &Taken, taken: &Taken) -> Taken {
         refused: all.refused + taken.refused,
         first_refusal: all.first_refusal.or(taken.first_refusal),
     }
-}
-
-/// The number of a cell in the samples.
-#[inline]
-pub(super) fn number(cell: Option<CellId>) -> Option<u32> {
-    // A grid numbers its cells with 32 bits.
-    #[allow(clippy::cast_possible_truncation)]
-    cell.map(|cell| cell.index() as u32)
 }
 
 /// Whether the error of any point is stated. Then it does not matter from where those of a pose without error were seen.

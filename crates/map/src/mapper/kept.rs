@@ -56,7 +56,7 @@ impl Tags {
     /// The cells.
     pub(crate) fn of(cells: Vec<Option<CellId>>) -> Self {
         // A list that is made of another, number by number, stays where that is.
-        Self(cells.into_iter().map(|cell| tag(super::insert::number(cell))).collect())
+        Self(cells.into_iter().map(|cell| tag(cell.map(cell_number))).collect())
     }
 
     pub(crate) fn as_mut_slice(&mut self) -> &mut [u32] {
@@ -67,6 +67,15 @@ impl Tags {
     pub(crate) fn into_labels(self) -> Vec<Option<PlaneId>> {
         self.0.into_iter().map(PlaneId::new).collect()
     }
+}
+
+/// The number of a cell, as samples take it, and what labels points.
+#[inline]
+pub(crate) fn cell_number(cell: CellId) -> u32 {
+    // A grid numbers its cells with 32 bits.
+    #[allow(clippy::cast_possible_truncation)]
+    let number = cell.index() as u32;
+    number
 }
 
 /// Of the number of a cell or plane, from 0.

@@ -2,8 +2,7 @@
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
 
-use super::parts::number;
-use super::{Kept, Mapper};
+use super::{Kept, Mapper, cell_number};
 use crate::estimate::Sightings;
 use crate::seen::Seen;
 use crate::{Params, Regions};
@@ -117,7 +116,7 @@ impl Mapper {
         for cell in theirs.founded() {
             let id = ours.add_cell(cell.key(), cell.stats().moments())?;
             if let (Some(samples), Some(others)) = (&mut self.samples, &other.samples) {
-                samples.merge(number(id), others, number(cell.id()));
+                samples.merge(cell_number(id), others, cell_number(cell.id()));
             }
             cells.push(id);
         }

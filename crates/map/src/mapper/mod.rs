@@ -18,7 +18,7 @@ use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
 
 pub use builder::{MapBuilder, PartsError};
-pub(crate) use kept::{Kept, Tags, in_one_piece, number_of, tag};
+pub(crate) use kept::{Kept, Tags, cell_number, in_one_piece, number_of, tag};
 pub use merge::MergeError;
 pub use parts::{MapCell, MapParts};
 pub use view::View;

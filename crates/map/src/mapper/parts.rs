@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use terrace_grid::{CellId, VoxelGrid, VoxelKey};
+use terrace_grid::{VoxelGrid, VoxelKey};
 use terrace_stats::Moments;
 
-use super::{Mapper, View};
+use super::{Mapper, View, cell_number};
 use crate::StreamingError;
 use crate::estimate::{Sighting, Sightings};
 
@@ -84,7 +84,7 @@ impl MapParts<'_> {
         let cells = self.mapper.fine.iter().flat_map(VoxelGrid::founded);
         let samples = self.mapper.samples();
         cells.map(move |cell| {
-            let number = number(cell.id());
+            let number = cell_number(cell.id());
             MapCell {
                 key: cell.key(),
                 sums: *cell.stats().moments(),
@@ -94,12 +94,4 @@ impl MapParts<'_> {
             }
         })
     }
-}
-
-/// The number of a cell, as samples take it.
-pub(super) fn number(cell: CellId) -> u32 {
-    // A grid numbers its cells with 32 bits.
-    #[allow(clippy::cast_possible_truncation)]
-    let number = cell.index() as u32;
-    number
 }

@@ -24,7 +24,8 @@ pub(crate) struct Fine<'m> {
     parts: Vec<PartOf>,
     /// Samples of the points of whole cells.
     of_whole: Option<Together<'m>>,
-    pub(crate) places: Places,
+    /// By cell of the grid, its place among the cells; empty where that is the same for all.
+    pub(crate) places: Vec<Option<u32>>,
     /// Points of all cells.
     pub(crate) points: u64,
 }
@@ -36,24 +37,6 @@ enum Source {
     Half(CellId),
     /// A whole cell, by its place among those.
     Whole(u32),
-}
-
-/// By cell of the grid, its place among the cells; empty where that is the same for all.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Places(Vec<Option<u32>>);
-
-impl Places {
-    /// The place among the cells of a cell of the grid.
-    #[inline]
-    pub(crate) fn of(&self, cell: CellId) -> Option<u32> {
-        self.of_number(u32::try_from(cell.index()).ok()?)
-    }
-
-    /// As [`of`](Self::of), by the number of the cell.
-    #[inline]
-    pub(crate) fn of_number(&self, cell: u32) -> Option<u32> {
-        if self.0.is_empty() { Some(cell) } else { *self.0.get(cell as usize)? }
-    }
 }
 
 impl<'m> Fine<'m> {
@@ -68,7 +51,7 @@ impl<'m> Fine<'m> {
             of: Vec::with_capacity(grid.len()),
             parts: Vec::new(),
             of_whole: None,
-            places: Places::default(),
+            places: Vec::new(),
             points: 0,
         };
         // By larger cell, its number among the whole ones and its place among all.
@@ -98,7 +81,7 @@ impl<'m> Fine<'m> {
             fine.points += points;
         }
         if fine.cells.len() < places.len() {
-            fine.places = Places(places);
+            fine.places = places;
         }
         fine
     }
@@ -250,7 +233,7 @@ mod tests {
     fn cells_stay_whole_where_errors_blur_them() {
         let sharp = mapper(0.0199);
         assert_eq!((sharp.fine().unwrap().len(), fine(&sharp).cells.len()), (800, 800));
-        assert!(fine(&sharp).places.0.is_empty());
+        assert!(fine(&sharp).places.is_empty());
         let blurred = mapper(0.0201);
         let fine = fine(&blurred);
         let is_whole = |at: usize| fine.key(blurred.fine().unwrap(), at).unwrap().1;
@@ -269,7 +252,7 @@ mod tests {
         // Each cell of the grid has a place, and eight of them, of which four have points, one together.
         let mut shared = vec![0; fine.cells.len()];
         for cell in blurred.fine().unwrap().founded() {
-            shared[fine.places.of(cell.id()).unwrap() as usize] += 1;
+            shared[fine.places[cell.id().index()].unwrap() as usize] += 1;
         }
         assert!(shared.iter().enumerate().all(|(at, n)| *n == if wide.contains(&at) { 4 } else { 1 }));
     }

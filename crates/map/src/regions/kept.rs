@@ -8,7 +8,7 @@ use terrace_types::PlaneId;
 
 use super::tallies::{Measures, Tallies};
 use super::{AT_ONCE, Grown, label_each};
-use crate::mapper::{Kept, Tags, View, in_one_piece, number_of, tag};
+use crate::mapper::{Kept, Tags, View, cell_number, in_one_piece, number_of, tag};
 use crate::packed::unpacked;
 
 impl Grown<'_> {
@@ -35,7 +35,7 @@ impl Grown<'_> {
             let all = cells.zip(places).zip(labels[first..].par_chunks_mut(AT_ONCE));
             let begin = || tallies.borrow(labeller);
             all.for_each_init(begin, |tally, ((cells, places), labels)| {
-                let cells = cells.iter().map(|cell| self.fine.places.of((*cell)?));
+                let cells = cells.iter().map(|cell| cell.map(cell_number));
                 let points = cells.zip(unpacked(places, unit)).zip(labels);
                 label_each(labeller, points, tally, |label, region| {
                     *label = region.and_then(|region| PlaneId::from_index(region as usize));
@@ -54,9 +54,8 @@ impl Grown<'_> {
             let tags = tags.as_mut_slice()[range].par_chunks_mut(AT_ONCE);
             let begin = || tallies.borrow(labeller);
             tags.zip(places).for_each_init(begin, |tally, (tags, places)| {
-                let cell = |tag: u32| self.fine.places.of_number(number_of(tag)?);
                 let points = tags.iter_mut().zip(unpacked(places, unit));
-                let points = points.map(|(tag, place)| ((cell(*tag), place), tag));
+                let points = points.map(|(tag, place)| ((number_of(*tag), place), tag));
                 label_each(labeller, points, tally, |label, region| *label = tag(region));
             });
         });

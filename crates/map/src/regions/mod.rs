@@ -27,7 +27,7 @@ use crate::{
 };
 
 use coplanar::joined;
-use fine::{Fine, Places};
+use fine::Fine;
 pub(crate) use streamed::RegionLabels;
 use tallies::{Borrowed, Measures};
 
@@ -138,7 +138,10 @@ impl<'m> Grown<'m> {
             fine.sample_wholes();
         };
         let (grown, ()) = Surfaces::beside(field, &settings_of_find, beside)?;
-        let found = grown.find(fine.points, |place| fine.sample(place));
+        let mut found = grown.find(fine.points, |place| fine.sample(place));
+        if !fine.places.is_empty() {
+            found.labeller = found.labeller.by_parts(fine.places.iter().copied());
+        }
         let grown = crate::Grown {
             noise_scale: found.noise_scale,
             min_points: found.min_points,
@@ -175,7 +178,7 @@ impl<'m> Grown<'m> {
                 plane.estimate = None;
             }
         }
-        let (Fine { places, .. }, Found { labeller, .. }) = (fine, found);
+        let Found { labeller, .. } = found;
         let map = PlaneMap {
             planes,
             points: mapper.len(),
@@ -186,7 +189,7 @@ impl<'m> Grown<'m> {
             cell_counts: CellCounts { occupied: grid.len(), dense: nodes.dense.len(), clustered: 0 },
             optimised: Vec::new(),
         };
-        Planes { map, joined: anew, labeller, places, index, of_cells: owner.of }
+        Planes { map, joined: anew, labeller, index, of_cells: owner.of }
     }
 }
 
@@ -196,7 +199,6 @@ struct Planes {
     /// Which plane each region has become, where planes were joined.
     joined: Option<Vec<Option<PlaneId>>>,
     labeller: Labeller,
-    places: Places,
     index: Option<CellIndex>,
     /// The plane of each cell of the grid.
     of_cells: Vec<Option<PlaneId>>,

@@ -7,17 +7,16 @@ use terrace_regions::Labeller;
 use terrace_types::PlaneId;
 
 use super::coplanar::add_points;
-use super::fine::Places;
 use super::tallies::{Borrowed, Measures, Tallies};
 use super::{Grown, Planes, label_each, renumbered, summed};
 use crate::facing::Seen;
+use crate::mapper::cell_number;
 use crate::{ExtractError, ExtractedPlane, Mapper, PlaneMap, Regions, Stage};
 
 /// Tells points of regions, and measures those it has told.
 #[derive(Debug, Clone)]
 pub(crate) struct RegionLabels {
     labeller: Labeller,
-    places: Places,
     /// The plane of each region.
     numbers: Vec<Option<PlaneId>>,
     /// The plane of each cell of the grid.
@@ -39,10 +38,10 @@ impl Mapper {
         let grown = Grown::of(self, cells, self.kept(), settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
         let regions = grown.found.regions.len();
-        let Planes { map, joined, labeller, places, index, of_cells } = grown.planes();
+        let Planes { map, joined, labeller, index, of_cells } = grown.planes();
         let numbers = joined.unwrap_or_else(|| (0..regions).map(PlaneId::from_index).collect());
         let (tallies, by_view) = (Tallies::default(), vec![Measures::new(); self.views().len()]);
-        Ok((map, RegionLabels { labeller, places, numbers, of_cells, tallies, by_view }, index))
+        Ok((map, RegionLabels { labeller, numbers, of_cells, tallies, by_view }, index))
     }
 }
 
@@ -61,8 +60,7 @@ impl RegionLabels {
         tally: &mut Borrowed<'_>,
     ) {
         let number = |region: u32| self.numbers.get(region as usize).copied().flatten();
-        let points =
-            cells.iter().map(|cell| self.places.of((*cell)?)).zip(places.iter().copied()).zip(labels);
+        let points = cells.iter().map(|cell| cell.map(cell_number)).zip(places.iter().copied()).zip(labels);
         label_each(&self.labeller, points, tally, |label, found| *label = found.and_then(number));
     }
 

@@ -76,6 +76,15 @@ impl Labeller {
         measures
     }
 
+    /// The same for points that are told by other cells: `of` tells for each of those its place among the cells of this one, that it is or is
+    /// a part of; `None` where it has none.
+    #[must_use]
+    pub fn by_parts(self, of: impl IntoIterator<Item = Option<u32>>) -> Self {
+        let cell = |of: Option<u32>| self.cells.get(of? as usize).copied();
+        let cells = of.into_iter().map(|of| cell(of).unwrap_or(Place::UNKNOWN)).collect();
+        Self { cells, ..self }
+    }
+
     /// A tally of no points.
     pub fn tally(&self) -> Tally {
         Tally::of(self.planes.len())
