@@ -9,7 +9,7 @@ use crate::ends::End;
 use crate::flat::Flat;
 use crate::near::{Group, Near, Within};
 
-use self::tally::{LANES, Total, Units};
+use self::tally::{LANES, Total, Units, mark};
 pub use self::tally::{Measure, Tally};
 
 /// Tells of which plane points are, one by one, by the cell and the place of each. Nothing is kept of the points themselves, so that
@@ -113,7 +113,7 @@ impl Labeller {
         x: f32,
         y: f32,
         z: f32,
-        (beyond, told): (&mut [Total], &mut Vec<u32>),
+        (beyond, marks): (&mut [Total], &mut [bool]),
     ) -> Option<u32> {
         let found = self.of_mixed(cell, [x, y, z]);
         let plane = found.unwrap_or(NONE);
@@ -126,9 +126,7 @@ impl Labeller {
                 if let (Some(sums), Some(flat), Some(anchor)) =
                     (beyond.get_mut(at), self.planes.get(at), self.anchors.get(cell.rank as usize))
                 {
-                    if *sums == Total::default() {
-                        told.push(plane);
-                    }
+                    mark(marks, plane);
                     let place = *anchor + from;
                     sums.push(place - self.origin, flat.distance(place), self.units, times);
                 }
@@ -183,7 +181,7 @@ where
     #[allow(clippy::inline_always)]
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { labeller, points, tally: Tally { counts, beyond, told }, mut label } = self;
+        let Self { labeller, points, tally: Tally { counts, beyond, marks }, mut label } = self;
         for (at, (cell, [x, y, z], point)) in points.enumerate() {
             let Some(cell) = cell.and_then(|cell| labeller.cells.get(cell as usize)) else {
                 label(point, None);
@@ -194,16 +192,10 @@ where
             } else if cell.is_unknown() {
                 None
             } else {
-                labeller.label_other(cell, x, y, z, (beyond, told))
+                labeller.label_other(cell, x, y, z, (beyond, marks))
             };
-            if let Some(plane) = plane
-                && let Some(counts) = counts.get_mut(plane as usize)
-            {
-                let count = &mut counts[at % LANES];
-                if *count == 0 {
-                    told.push(plane);
-                }
-                *count += 1;
+            if let Some(count) = plane.and_then(|plane| counts.get_mut(plane as usize)) {
+                count[at % LANES] += 1;
             }
             label(point, plane);
         }

@@ -93,33 +93,53 @@ impl Units {
 /// Labels of so many points on end are counted apart: to count one takes as long as several, if it has to wait for the one before.
 pub(super) const LANES: usize = 4;
 
+/// Planes that are looked at together when it is asked what was counted.
+const TOGETHER: usize = 16;
+
 /// What points measure that are labelled, plane by plane. It is as large as there are planes, and meant to be used for one part of the
 /// points after the other: a place has many planes, and a part of it few.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     pub(super) counts: Vec<[u64; LANES]>,
     pub(super) beyond: Vec<Total>,
-    /// The planes of which anything may be counted, some more than once: a place may have ten thousand, and a view of it sees a few.
-    pub(super) told: Vec<u32>,
+    /// For some planes on end whether anything may be beyond the cells of one.
+    pub(super) marks: Vec<bool>,
 }
 
 impl Tally {
     /// Of no points of so many planes.
     pub(super) fn of(planes: usize) -> Self {
-        Self { counts: vec![[0; LANES]; planes], beyond: vec![Total::default(); planes], told: Vec::new() }
+        let marks = vec![false; planes.div_ceil(TOGETHER)];
+        Self { counts: vec![[0; LANES]; planes], beyond: vec![Total::default(); planes], marks }
     }
 
     /// Hands out the numbers of the planes that points were of, and what they measure; the tally is as new.
     pub fn take(&mut self, mut take: impl FnMut(u32, Measure)) {
-        let Self { counts, beyond, told } = self;
-        for plane in told.drain(..) {
-            let at = plane as usize;
-            let (Some(counts), Some(beyond)) = (counts.get_mut(at), beyond.get_mut(at)) else { continue };
-            let measure = Measure { points: counts.iter().sum(), beyond: *beyond };
-            if measure != Measure::default() {
-                take(plane, measure);
-                (*counts, *beyond) = ([0; LANES], Total::default());
+        let Self { counts, beyond, marks } = self;
+        // A place may have ten thousand planes, and a view of it sees a few: most are looked at by their counts alone, several at a time.
+        let some = counts.chunks_mut(TOGETHER).zip(beyond.chunks_mut(TOGETHER)).zip(marks);
+        for (first, ((counts, beyond), mark)) in (0..).step_by(TOGETHER).zip(some) {
+            if !*mark && counts.as_flattened().iter().fold(0, |any, count| any | count) == 0 {
+                continue;
+            }
+            *mark = false;
+            for (plane, (counts, beyond)) in (first..).zip(counts.iter_mut().zip(beyond)) {
+                let measure = Measure { points: counts.iter().sum(), beyond: *beyond };
+                if measure != Measure::default() {
+                    take(plane, measure);
+                    (*counts, *beyond) = ([0; LANES], Total::default());
+                }
             }
         }
+    }
+}
+
+/// Notes that something of a plane is beyond its cells.
+// Into what `LabelEach` is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+pub(super) fn mark(marks: &mut [bool], plane: u32) {
+    if let Some(mark) = marks.get_mut(plane as usize / TOGETHER) {
+        *mark = true;
     }
 }
