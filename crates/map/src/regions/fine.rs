@@ -1,7 +1,7 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, SharedNoise, Together};
+use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -167,24 +167,35 @@ impl<'m> Fine<'m> {
 
     /// For each cell of the cell size the plane that most of its points are of.
     pub(crate) fn planes_of_cells(&self, found: &Found) -> Vec<Option<PlaneId>> {
-        let mut shares: Vec<(CellId, u32, u64)> =
-            found.shares.iter().map(|s| (self.of[s.cell as usize], s.region, u64::from(s.points))).collect();
-        radsort::sort_by_key(&mut shares, |(cell, region, _)| (cell.index(), *region));
-        shares.dedup_by(|next, first| {
-            let same = (next.0, next.1) == (first.0, first.1);
-            first.2 += if same { next.2 } else { 0 };
-            same
-        });
-        let mut owner = vec![None; self.coarse.grid.len()];
-        for of_cell in shares.chunk_by(|a, b| a.0 == b.0) {
-            let Some((cell, region, points)) = of_cell.iter().rev().max_by_key(|(_, _, points)| points)
-            else {
-                continue;
-            };
-            let density = self.coarse.grid.get(*cell).map_or(0, |cell| cell.density());
-            if *points as f64 >= MOSTLY * density as f64 {
-                owner[cell.index()] = PlaneId::from_index(*region as usize);
-            }
+        let cells = self.coarse.grid.len();
+        let of = |share: &Share| self.of[share.cell as usize].index();
+        // Where those of each cell begin: they are put there, without a list that is sorted.
+        let mut starts: Vec<usize> = vec![0; cells + 1];
+        for share in &found.shares {
+            starts[of(share) + 1] += 1;
+        }
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        let (mut next, mut shares) = (starts.clone(), vec![(0, 0); found.shares.len()]);
+        for share in &found.shares {
+            let to = &mut next[of(share)];
+            shares[*to] = (share.region, share.points);
+            *to += 1;
+        }
+        let mut owner = vec![None; cells];
+        for ((owner, ends), cell) in owner.iter_mut().zip(starts.windows(2)).zip(self.coarse.grid.founded()) {
+            let shares = &mut shares[ends[0]..ends[1]];
+            shares.sort_unstable();
+            let of_regions = shares.chunk_by(|a, b| a.0 == b.0).map(|of_region| {
+                let points: u64 = of_region.iter().map(|(_, points)| u64::from(*points)).sum();
+                (of_region[0].0, points)
+            });
+            // The first of equals.
+            let most = of_regions.reduce(|most, other| if other.1 > most.1 { other } else { most });
+            *owner = most
+                .filter(|(_, points)| *points as f64 >= MOSTLY * cell.density() as f64)
+                .and_then(|(region, _)| PlaneId::from_index(region as usize));
         }
         owner
     }
