@@ -183,7 +183,8 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         (OfCells { nearby: around.nearby, parts }, candidates)
     }
 
-    /// Looks at some cells: finds what is near them, in place of what was, and gives their parts. The samples of those that have the same regions near them are not looked at again.
+    /// Looks at some cells: finds what is near them, in place of what was, and gives their parts. The samples of those that have the same
+    /// regions near them are not looked at again.
     fn look_again(
         &self,
         again: &[bool],
