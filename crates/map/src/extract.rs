@@ -68,7 +68,7 @@ impl Mapper {
             labels.face_by_cells(&mut map);
             return Ok(map);
         }
-        self.extract_kept(Cow::Borrowed(self.kept()), begins)
+        self.extract_kept(self.fine().map(Cow::Borrowed), Cow::Borrowed(self.kept()), begins)
     }
 
     /// [`Mapper::extract_observed`], to the bit, of a map that is not needed any more: labels take the place of what is kept of the points,
@@ -95,23 +95,20 @@ impl Mapper {
             return Ok(map);
         }
         let kept = Cow::Owned(self.take_kept());
-        match self.params().grows() {
-            Some(regions) => {
-                let cells = self.take_fine().map(Cow::Owned);
-                self.extract_regions(cells, &regions, kept, begins)
-            }
-            None => self.extract_clusters(kept, begins),
-        }
+        // Clusters are made of the cells themselves.
+        let cells = if self.params().grows().is_some() { self.take_fine() } else { None };
+        self.extract_kept(cells.map(Cow::Owned), kept, begins)
     }
 
-    /// The planes, and the labels of all points that are kept.
+    /// The planes, and the labels of all points that are kept; as regions of these fine cells, which a map that is given away forgets.
     pub(crate) fn extract_kept(
         &self,
+        cells: Option<Cow<'_, VoxelGrid>>,
         kept: Cow<'_, [Kept]>,
         begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {
         match self.params().grows() {
-            Some(regions) => self.extract_regions(self.fine().map(Cow::Borrowed), &regions, kept, begins),
+            Some(regions) => self.extract_regions(cells, &regions, kept, begins),
             None => self.extract_clusters(kept, begins),
         }
     }

@@ -155,7 +155,7 @@ impl Mapper {
         let views = self.views().len();
         Ok(match self.params().grows() {
             _ if !self.is_streaming() => {
-                let mut map = self.extract_kept(kept, begins)?;
+                let mut map = self.extract_kept(cells, kept, begins)?;
                 let labels = std::mem::take(&mut map.labels);
                 (map, By::Kept { labels, told: vec![0; views] }, None)
             }

@@ -169,35 +169,29 @@ impl<'m> Fine<'m> {
     pub(crate) fn planes_of_cells(&self, found: &Found) -> Vec<Option<PlaneId>> {
         let cells = self.coarse.grid.len();
         let of = |share: &Share| self.of[share.cell as usize].index();
-        // Where those of each cell begin: they are put there, without a list that is sorted.
-        let mut starts: Vec<usize> = vec![0; cells + 1];
+        // Boyer and Moore's majority vote: what has most of the points of a cell is left when others are set against it.
+        let mut votes: Vec<(u32, u64)> = vec![(0, 0); cells];
         for share in &found.shares {
-            starts[of(share) + 1] += 1;
+            let ((region, lead), points) = (&mut votes[of(share)], u64::from(share.points));
+            if *region == share.region {
+                *lead += points;
+            } else if *lead >= points {
+                *lead -= points;
+            } else {
+                (*region, *lead) = (share.region, points - *lead);
+            }
         }
-        for cell in 0..cells {
-            starts[cell + 1] += starts[cell];
-        }
-        let (mut next, mut shares) = (starts.clone(), vec![(0, 0); found.shares.len()]);
+        let mut points: Vec<u64> = vec![0; cells];
         for share in &found.shares {
-            let to = &mut next[of(share)];
-            shares[*to] = (share.region, share.points);
-            *to += 1;
+            let at = of(share);
+            points[at] += if votes[at].0 == share.region { share.points.into() } else { 0 };
         }
-        let mut owner = vec![None; cells];
-        for ((owner, ends), cell) in owner.iter_mut().zip(starts.windows(2)).zip(self.coarse.grid.founded()) {
-            let shares = &mut shares[ends[0]..ends[1]];
-            shares.sort_unstable();
-            let of_regions = shares.chunk_by(|a, b| a.0 == b.0).map(|of_region| {
-                let points: u64 = of_region.iter().map(|(_, points)| u64::from(*points)).sum();
-                (of_region[0].0, points)
-            });
-            // The first of equals.
-            let most = of_regions.reduce(|most, other| if other.1 > most.1 { other } else { most });
-            *owner = most
-                .filter(|(_, points)| *points as f64 >= MOSTLY * cell.density() as f64)
-                .and_then(|(region, _)| PlaneId::from_index(region as usize));
-        }
-        owner
+        let of_cells = self.coarse.grid.founded().zip(votes).zip(points);
+        let owner = of_cells.map(|((cell, (region, _)), points)| {
+            let is_owner = points as f64 >= MOSTLY * cell.density() as f64;
+            PlaneId::from_index(region as usize).filter(|_| is_owner)
+        });
+        owner.collect()
     }
 }
 

@@ -49,6 +49,7 @@ impl Labeller {
         let OfCells { mut nearby, mut parts } = of_cells;
         let mut cells: Vec<Place> = vec![Place::UNKNOWN; parts.len()];
         let threads = rayon::current_num_threads();
+        // On one thread each cell is put where it stays, without a list on the way.
         let laid = if threads == 1 {
             let put = |place: Place| cells[field.order[place.rank as usize] as usize] = place;
             laying.lay(0, &mut nearby, &mut parts, numbers(0), put)
