@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use crate::labels::Points;
-use crate::segment::{Found, Segmentation, Share};
+use crate::segment::{Found, Segmentation};
+use crate::shares::Share;
 use crate::{Measure, Samples};
 
 /// Points that are labelled by a thread at once.

@@ -10,8 +10,9 @@ use terrace_stats::{Stats, SymmetricMatrix3};
 use crate::anchored::Anchored;
 use crate::around::{Bounded, told};
 use crate::cell::{Noise, Sums};
+use crate::curve::Curve;
 use crate::flat::Fitted;
-use crate::level::{Level, along_curve, number};
+use crate::level::{Level, number};
 use crate::shared::SharedNoise;
 use crate::sum::Sum;
 use crate::turned::Turned;
@@ -73,49 +74,49 @@ impl Field {
     /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells at one place,
     /// and for more cells than are numbered.
     pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
-        let places: Vec<([i32; 3], bool)> = cells.iter().map(|cell| (cell.key, cell.is_wide)).collect();
-        Self::of_each(&places, |at| cells[at].stats, edge)
+        Self::of_each(cells.len(), |at| cells[at].key, |at| cells[at].is_wide, |at| cells[at].stats, edge)
     }
 
-    /// As [`of`](Self::of), for cells whose sums are kept elsewhere: `cells` are their keys and whether they are wide, and `stats` tells
-    /// the sums of one.
+    /// As [`of`](Self::of), for so many cells that are kept elsewhere: `key`, `is_wide` and `stats` tell what a [`Cell`] is.
     ///
     /// # Errors
     /// As [`of`](Self::of).
     pub fn of_each(
-        cells: &[([i32; 3], bool)],
+        cells: usize,
+        key: impl Fn(usize) -> [i32; 3],
+        is_wide: impl Fn(usize) -> bool,
         stats: impl Fn(usize) -> Stats + Sync,
         edge: f64,
     ) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
-        if u32::try_from(cells.len()).is_err() {
-            return Err(RegionsError::TooMany { cells: cells.len() });
+        if u32::try_from(cells).is_err() {
+            return Err(RegionsError::TooMany { cells });
         }
         // Of a wide cell that of the first cell it is in the place of.
-        let key = |(key, is_wide): ([i32; 3], bool)| if is_wide { key.map(|k| k & !1) } else { key };
-        let (along, order) = along_curve(cells.len(), |at| key(cells[at]));
-        let some_wide = cells.iter().any(|(_, is_wide)| *is_wide);
+        let first = |at: usize| if is_wide(at) { key(at).map(|k| k & !1) } else { key(at) };
+        let curve = Curve::of(cells, first);
+        let order = &curve.order;
+        let some_wide = (0..cells).any(&is_wide);
         let wide: Vec<bool> =
-            order.iter().take_while(|_| some_wide).map(|given| cells[*given as usize].1).collect();
-        let anchored = Anchored::cubes(&along, |rank| stats(order[rank] as usize).anchor().into());
+            order.iter().take_while(|_| some_wide).map(|given| is_wide(*given as usize)).collect();
+        let anchored = Anchored::cubes(&curve.along, |rank| stats(order[rank] as usize).anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
-            let given = order[rank] as usize;
-            let (key, stats) = (key(cells[given]), stats(given));
+            let stats = stats(order[rank] as usize);
             let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
             });
-            (sums, (DVec3::from(stats.anchor()), key))
+            (sums, DVec3::from(stats.anchor()))
         };
-        let of_cells = || (0..order.len()).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
-        let (levels, (sums, places)) = rayon::join(|| Level::all(&along, &wide, LEVELS), of_cells);
-        let (anchors, keys): (_, Vec<[i32; 3]>) = places;
+        let of_cells = || (0..cells).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
+        let (levels, (sums, anchors)) = rayon::join(|| Level::all(&curve.along, &wide, LEVELS), of_cells);
+        let (order, keys) = curve.into_order_and_keys();
         if strange.into_inner() {
-            let strange = (0..cells.len()).find(|at| Sums::of(&stats(*at)).is_none());
+            let strange = (0..cells).find(|at| Sums::of(&stats(*at)).is_none());
             return Err(RegionsError::Cell { cell: strange.unwrap_or(0) });
         }
         let is_wide = |rank: usize| wide.get(rank) == Some(&true);
@@ -126,7 +127,7 @@ impl Field {
         };
         let twice = keys.windows(2).enumerate().filter(is_twice).count();
         if twice > 0 {
-            return Err(RegionsError::SameKey { cells: cells.len(), places: cells.len() - twice });
+            return Err(RegionsError::SameKey { cells, places: cells - twice });
         }
         let (shared, bounded, turned) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { order, cells: sums, anchors, keys, wide, levels, anchored, shared, bounded, turned, edge })

@@ -5,10 +5,9 @@ use rayon::prelude::*;
 
 use crate::RegionsError;
 use crate::field::Field;
-use crate::flat::Flat;
-use crate::mixture::Candidate;
+use crate::grow::Region;
 use crate::near::{Nearby, Within};
-use crate::of_cells::{OfCells, Part};
+use crate::of_cells::OfCells;
 
 /// Points, each of a cell.
 #[derive(Debug, Clone, Copy)]
@@ -71,21 +70,23 @@ pub(crate) fn by_region(pieces: &[Piece], regions: usize) -> Vec<Vec<u32>> {
 pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
     field: &Field,
     of_cells: &OfCells,
-    candidates: &[Option<Candidate>],
+    regions: &[Region],
     reach: f64,
     samples: impl Fn(usize) -> P + Sync,
 ) -> Vec<Piece> {
     // Which there are is told first: so they are written where they stay.
-    let mut parts: Vec<(u32, &Part, &Flat)> = Vec::with_capacity(of_cells.parts.len());
+    let mut told: Vec<(u32, u32)> = Vec::with_capacity(of_cells.parts.len());
     for (cell, of_cell) in (0..).zip(&of_cells.parts) {
-        for part in of_cell.as_slice().iter().filter(|part| part.labelled > 0.0) {
-            if let Some(candidate) = &candidates[part.region as usize] {
-                parts.push((cell, part, &candidate.plane));
+        for (part, of) in (0..).zip(of_cell.as_slice()) {
+            if of.labelled > 0.0 {
+                told.push((cell, part));
             }
         }
     }
-    let piece = |(cell, part, plane): &(u32, &Part, &Flat)| {
+    let piece = |(cell, part): &(u32, u32)| {
         let at = *cell as usize;
+        let part = &of_cells.parts[at].as_slice()[*part as usize];
+        let plane = &regions[part.region as usize].fitted.plane;
         let (sums, anchor) = (&field.cells[at], field.anchors[at]);
         // Shares of a count of 64 bits that is above 2³² do not occur: so many points are not numbered.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -108,7 +109,7 @@ pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
         let each = if count > 0.0 { f64::from(points) / count } else { 0.0 };
         piece(sum * each, squares * each)
     };
-    parts.par_iter().with_min_len(AT_ONCE).map(piece).collect()
+    told.par_iter().with_min_len(AT_ONCE).map(piece).collect()
 }
 
 impl Nearby {

@@ -167,48 +167,6 @@ fn runs(keys: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
     (groups, starts)
 }
 
-/// Keys by the bits of all three in turn: the order of the curve that fills cubes of 2ˡ × 2ˡ × 2ˡ one after the other. Gives the keys
-/// from a corner of the largest cube in that order, and for each its place among the given ones.
-pub(crate) fn along_curve(cells: usize, key: impl Fn(usize) -> [i32; 3]) -> (Vec<[u32; 3]>, Vec<u32>) {
-    let keys: Vec<[i32; 3]> = (0..cells).map(key).collect();
-    let least = |axis: usize| keys.iter().map(|key| key[axis]).min().unwrap_or(0);
-    // Cubes are those of the lattice, wherever the cells are.
-    let corner = [0, 1, 2].map(|axis| least(axis) & !((1 << CUBE) - 1));
-    let from = |key: &[i32; 3]| [0, 1, 2].map(|i| key[i].wrapping_sub(corner[i]).cast_unsigned());
-    let keys: Vec<[u32; 3]> = keys.iter().map(from).collect();
-    let far = keys.iter().flatten().fold(0, |all, k| all | k) >> BITS != 0;
-    let order: Vec<u32> = if far {
-        let code = |key: [u32; 3]| (interleaved(key.map(|k| k >> BITS)), interleaved(key));
-        let mut order: Vec<u32> = (0..number(keys.len())).collect();
-        order.sort_by_cached_key(|at| code(keys[*at as usize]));
-        order
-    } else {
-        let mut order: Vec<(u64, u32)> = keys.iter().map(|key| interleaved(*key)).zip(0..).collect();
-        if !order.is_sorted() {
-            radsort::sort_by_key(&mut order, |(code, _)| *code);
-        }
-        order.into_iter().map(|(_, at)| at).collect()
-    };
-    (order.iter().map(|at| keys[*at as usize]).collect(), order)
-}
-
-/// The bits of a key that fit into a code three times, and those of a cube of the coarsest level.
-const BITS: u32 = 21;
-const CUBE: u32 = 3;
-
-/// The lower bits of three numbers in turn.
-fn interleaved([x, y, z]: [u32; 3]) -> u64 {
-    let spread = |k: u32| {
-        let mut x = u64::from(k) & ((1 << BITS) - 1);
-        x = (x | x << 32) & 0x001f_0000_0000_ffff;
-        x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-        x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-        x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-        (x | x << 2) & 0x1249_2492_4924_9249
-    };
-    spread(x) << 2 | spread(y) << 1 | spread(z)
-}
-
 #[allow(clippy::cast_possible_truncation, reason = "fewer cells than 2³²: `Field::of` sees to it")]
 pub(crate) fn number(place: usize) -> u32 {
     place as u32
@@ -217,12 +175,13 @@ pub(crate) fn number(place: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curve::Curve;
     use proptest::collection::btree_set;
     use proptest::prelude::*;
 
     fn levels(keys: &[[i32; 3]]) -> (Vec<Level>, Vec<u32>) {
-        let (sorted, order) = along_curve(keys.len(), |at| keys[at]);
-        (all(&sorted, &[]), order)
+        let curve = Curve::of(keys.len(), |at| keys[at]);
+        (all(&curve.along, &[]), curve.order)
     }
 
     /// The same on one thread, where nothing is made apart, as on two.
@@ -252,13 +211,6 @@ mod tests {
         assert_eq!([levels[0].near(0), levels[0].near(1), levels[0].near(2)], [&[][..], &[2], &[1]]);
     }
 
-    #[test]
-    fn bits_are_taken_in_turn() {
-        assert_eq!(interleaved([1, 0, 0]), 4);
-        assert_eq!(interleaved([0, 3, 0]), 0b01_0010);
-        assert_eq!(interleaved([(1 << 21) - 1; 3]), (1 << 63) - 1);
-    }
-
     proptest! {
         /// Those of a group that is one wide cell are none of their own.
         #[test]
@@ -269,7 +221,7 @@ mod tests {
             let mut cells: Vec<([i32; 3], bool)> = wide.iter().map(|key| (key.map(|k| 2 * k), true)).collect();
             let alone = |key: &[i32; 3]| !wide.contains(&key.map(|k| k >> 1));
             cells.extend(keys.iter().filter(|key| alone(key)).map(|key| (*key, false)));
-            let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
+            let Curve { along: sorted, order, .. } = Curve::of(cells.len(), |at| cells[at].0);
             let along: Vec<([i32; 3], bool)> = order.iter().map(|at| cells[*at as usize]).collect();
             let is_wide: Vec<bool> = along.iter().map(|(_, wide)| *wide).collect();
             let levels = all(&sorted, &is_wide);

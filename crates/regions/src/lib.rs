@@ -73,6 +73,7 @@ mod around;
 mod bend;
 mod cell;
 mod cube;
+mod curve;
 mod ends;
 mod error;
 mod exact;
@@ -95,6 +96,7 @@ mod seeds;
 mod segment;
 mod settings;
 mod shared;
+mod shares;
 mod slice;
 mod sum;
 mod surface;
@@ -108,9 +110,10 @@ pub use field::Field;
 pub use labeller::{Labeller, Measure, Tally};
 pub use labels::Points;
 pub use samples::{PartOf, Sample, Samples, Together};
-pub use segment::{Found, Grown, Region, Segmentation, Share, find, segment};
+pub use segment::{Found, Grown, Region, Segmentation, find, segment};
 pub use settings::{Settings, Step};
 pub use shared::SharedNoise;
+pub use shares::Share;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -1,7 +1,5 @@
 //! How many points of each cell are of which region.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use crate::cell::{Noise, Sums};
@@ -12,7 +10,7 @@ use crate::grow::Region;
 use crate::near::{Near, Nearby, Several};
 use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
 use crate::samples::Sample;
-use crate::weighed::Weighed;
+use crate::weighed::{Kept, Weighed};
 use crate::{Settings, Step};
 
 /// Rounds in which the shares of the regions around each cell are found from the labels before.
@@ -24,8 +22,8 @@ const AT_ONCE: usize = 256;
 
 /// What is known of a region when points are labelled.
 #[derive(Debug, Clone)]
-pub(crate) struct Candidate {
-    pub(crate) plane: Flat,
+struct Candidate {
+    plane: Flat,
     reduced_chi_squared: f64,
     points: f64,
 }
@@ -67,14 +65,14 @@ struct Seen {
 struct Around {
     nearby: Vec<Nearby>,
     /// Where that of its sample is kept which several regions are near.
-    kept: Vec<Range<usize>>,
+    kept: Vec<Kept>,
     /// By as many cells as are handed to a thread at once.
     weighed: Vec<Weighed>,
 }
 
 impl Around {
     fn new(cells: usize) -> Self {
-        let (nearby, kept) = (vec![Nearby::None; cells], vec![0..0; cells]);
+        let (nearby, kept) = (vec![Nearby::None; cells], vec![Kept::default(); cells]);
         Self { nearby, kept, weighed: vec![Weighed::default(); cells.div_ceil(AT_ONCE)] }
     }
 
@@ -88,7 +86,7 @@ impl Around {
 /// That of some cells on end.
 struct AroundSome<'a> {
     nearby: &'a mut [Nearby],
-    kept: &'a mut [Range<usize>],
+    kept: &'a mut [Kept],
     weighed: &'a mut Weighed,
 }
 
@@ -123,7 +121,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
     ///
     /// A cell is looked at again only where that can change something: the regions near it are others than before, or some of its points
     /// may be of two regions, and the shares around have changed.
-    pub(crate) fn solve(&self, regions: &[Region]) -> (OfCells, Vec<Option<Candidate>>) {
+    pub(crate) fn solve(&self, regions: &[Region]) -> OfCells {
         let cells = self.field.cells.len();
         let mut candidates: Vec<Option<Candidate>> =
             regions.iter().map(|region| Some(Candidate::of(region))).collect();
@@ -180,7 +178,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                 }
             }
         }
-        (OfCells { nearby: around.nearby, parts }, candidates)
+        OfCells { nearby: around.nearby, parts }
     }
 
     /// Looks at some cells: finds what is near them, in place of what was, and gives their parts. The samples of those that have the same
@@ -354,7 +352,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
         nearby: &Nearby,
         anew: Option<usize>,
         before: Before<'_>,
-        (kept, weighed): (&mut Range<usize>, &mut Weighed),
+        (kept, weighed): (&mut Kept, &mut Weighed),
         work: &mut Work<'s>,
     ) -> (Parts, bool) {
         let points = self.field.cells[cell].points;
@@ -375,7 +373,7 @@ impl<'s, S: Fn(usize) -> Sample<'s> + Sync> Mixture<'_, S> {
                 if let Some(places) = places {
                     *kept = weighed.weigh(several, places, reach);
                 }
-                weighed.mixed(kept.clone(), several, points, (parts, likely))
+                weighed.mixed(*kept, several, points, (parts, likely))
             }
         }
     }

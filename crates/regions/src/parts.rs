@@ -269,7 +269,7 @@ impl Groups {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::level::along_curve;
+    use crate::curve::Curve;
     use glam::DVec3;
     use proptest::prelude::*;
 
@@ -310,7 +310,7 @@ mod tests {
             level in 0..3_u32,
         ) {
             let cells: Vec<([i32; 3], u32)> = cells.into_iter().collect();
-            let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
+            let Curve { along: sorted, order, .. } = Curve::of(cells.len(), |at| cells[at].0);
             let (keys, points): (Vec<[i32; 3]>, Vec<u32>) = order.iter().map(|at| cells[*at as usize]).unzip();
             let coarse = Level::all(&sorted, &[], level + 1).pop().unwrap();
             let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
@@ -343,7 +343,7 @@ mod tests {
             .chain((0..24).map(|k| ([12 + k % 2, k / 2, 0], 1)))
             .collect();
         cells.sort_unstable();
-        let (sorted, order) = along_curve(cells.len(), |at| cells[at].0);
+        let Curve { along: sorted, order, .. } = Curve::of(cells.len(), |at| cells[at].0);
         let points: Vec<u32> = order.iter().map(|at| cells[*at as usize].1).collect();
         let level = Level::all(&sorted, &[], 1).pop().unwrap();
         let pieces: Vec<Piece> = (0..).zip(&points).map(|(cell, points)| piece(cell, *points)).collect();
@@ -377,7 +377,7 @@ mod tests {
     fn groups_that_hold_much_else_lead_to_no_other_part() {
         // A row of nine cells, of which the fifth is half of something else, and a tenth apart.
         let keys: Vec<[u32; 3]> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12].map(|x| [x, 0, 0]).to_vec();
-        let (keys, _) = along_curve(keys.len(), |at| keys[at].map(u32::cast_signed));
+        let Curve { along: keys, .. } = Curve::of(keys.len(), |at| keys[at].map(u32::cast_signed));
         let level = Level::all(&keys, &[], 1).pop().unwrap();
         let pieces: Vec<Piece> = (0..10).map(|cell| piece(cell, 10)).collect();
         let parts_of = |held: [f64; 10]| {

@@ -14,6 +14,7 @@ use crate::labeller::{Labeller, Measure};
 use crate::labels::{Piece, Points, by_region, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
+use crate::shares::{Share, in_order};
 use crate::surface::Looks;
 use crate::{Cell, RegionsError, Sample, Settings, Step};
 
@@ -68,17 +69,6 @@ pub struct Region {
     pub bend: Option<Bend>,
     /// Regions of one number are parts of the same plane that do not touch.
     pub surface: u32,
-}
-
-/// Some points of a cell, all of one plane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Share {
-    /// The place of the cell.
-    pub cell: u32,
-    /// The number of the plane.
-    pub region: u32,
-    /// How many there are.
-    pub points: u32,
 }
 
 /// Planes and the points of each.
@@ -204,10 +194,9 @@ impl Grown {
         let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
         let samples = |cell: usize| samples(field.order[cell] as usize);
         let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
-        let (mut of_cells, candidates) = mixture.solve(&grown);
+        let mut of_cells = mixture.solve(&grown);
         mixture.recount(&mut of_cells);
-        let mut pieces =
-            pieces(&field, &of_cells, &candidates, settings.reach, |cell| mixture.weighted(cell));
+        let mut pieces = pieces(&field, &of_cells, &grown, settings.reach, |cell| mixture.weighted(cell));
 
         let (numbers, from) = take_apart(
             &field,
@@ -253,11 +242,7 @@ impl Grown {
             let region = rank[piece.region as usize]?;
             Some(Share { cell: field.order[piece.cell as usize], region, points: piece.points })
         };
-        let shares = || {
-            let mut shares: Vec<Share> = pieces.iter().filter_map(share).collect();
-            radsort::sort_by_key(&mut shares, |share| (share.cell, share.region));
-            shares
-        };
+        let shares = || in_order(field.order.len(), pieces.iter().filter_map(share));
         let plane =
             |(_, region): &(u32, Region)| Flat { normal: region.normal.into(), point: region.point.into() };
         let planes = found.iter().map(plane).collect();
@@ -310,8 +295,9 @@ impl Found {
             Region { points: points(*at), centroid, rms, ..region }
         };
         self.regions = order.iter().map(measured).collect();
-        let share = |share: &Share| Some(Share { region: numbers[share.region as usize]?, ..*share });
-        self.shares = self.shares.iter().filter_map(share).collect();
+        let share = |share: Share| Some(Share { region: numbers[share.region as usize]?, ..share });
+        // A list that is made of another and is no longer stays where that is.
+        self.shares = std::mem::take(&mut self.shares).into_iter().filter_map(share).collect();
         numbers
     }
 }

@@ -1,7 +1,5 @@
 //! Samples of cells with several regions near them, weighed against these.
 
-use std::ops::Range;
-
 use crate::near::Several;
 use crate::of_cells::{Part, Parts};
 
@@ -16,9 +14,23 @@ pub(crate) struct Weighed {
     numbers: Vec<f32>,
 }
 
+/// Where that of a cell is kept: it is of a few hundred cells, so that its numbers are counted with 32 bits.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Kept {
+    begin: u32,
+    end: u32,
+}
+
+impl Kept {
+    #[allow(clippy::cast_possible_truncation)]
+    fn of(begin: usize, end: usize) -> Self {
+        Self { begin: begin as u32, end: end as u32 }
+    }
+}
+
 impl Weighed {
     /// Weighs the places of a cell, and tells where what is known of them is kept.
-    pub(crate) fn weigh(&mut self, several: &Several, places: &[[f32; 3]], reach: f32) -> Range<usize> {
+    pub(crate) fn weigh(&mut self, several: &Several, places: &[[f32; 3]], reach: f32) -> Kept {
         let (group, numbers) = (several.group(), &mut self.numbers);
         let begin = numbers.len();
         // At most sixteen.
@@ -46,20 +58,21 @@ impl Weighed {
                 *score += group.outside(near, *place);
             }
         }
-        begin..numbers.len()
+        Kept::of(begin, numbers.len())
     }
 
     /// The parts of a cell of so many points, and whether any could be of two regions. `kept` is where [`weigh`](Self::weigh) has told, and
     /// the lists are memory to work with.
     pub(crate) fn mixed(
         &self,
-        kept: Range<usize>,
+        kept: Kept,
         several: &Several,
         points: f64,
         (parts, likely): (&mut Vec<Part>, &mut Vec<f32>),
     ) -> (Parts, bool) {
         let near = &several.near;
-        let Some((places, numbers)) = self.numbers[kept].split_first() else { return (Parts::None, false) };
+        let kept = &self.numbers[kept.begin as usize..kept.end as usize];
+        let Some((places, numbers)) = kept.split_first() else { return (Parts::None, false) };
         let (alone, scores) = numbers.split_at(near.len());
         let each = points / f64::from(*places);
         parts.clear();
@@ -176,7 +189,7 @@ mod tests {
                     several.near.iter_mut().zip(priors).for_each(|(near, prior)| near.prior = prior);
                 }
                 let (expected, expected_open) = by_place(&several, &places, points);
-                let (found, is_open) = weighed.mixed(kept.clone(), &several, points, (&mut parts, &mut likely));
+                let (found, is_open) = weighed.mixed(kept, &several, points, (&mut parts, &mut likely));
                 prop_assert_eq!(is_open, expected_open);
                 for (region, [share, labelled]) in (0..).zip(&expected) {
                     let part = found.as_slice().iter().find(|part| part.region == region);

@@ -102,16 +102,17 @@ impl<'m> Fine<'m> {
     /// The cells laid out for regions to grow over, by the grid that they are of.
     pub(crate) fn field(&self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
         // All are cells of the grids.
-        let keys: Vec<([i32; 3], bool)> = (0..self.cells.len()).filter_map(|at| self.key(grid, at)).collect();
+        let key = |at: usize| self.key(grid, at).unwrap_or([0; 3]);
+        let is_whole = |at: usize| matches!(self.cells.get(at), Some(Source::Whole(_)));
         let stats = |at: usize| self.stats(grid, at).unwrap_or(Stats::new([0.0; 3]));
-        Field::of_each(&keys, stats, grid.cell_size())
+        Field::of_each(self.cells.len(), key, is_whole, stats, grid.cell_size())
     }
 
-    /// The key of a cell, of a whole one that of the first cell it is in the place of; and whether it is whole.
-    fn key(&self, grid: &VoxelGrid, at: usize) -> Option<([i32; 3], bool)> {
+    /// The key of a cell, of a whole one that of the first cell it is in the place of.
+    fn key(&self, grid: &VoxelGrid, at: usize) -> Option<[i32; 3]> {
         Some(match self.cells.get(at)? {
-            Source::Half(id) => (grid.get(*id)?.key(), false),
-            Source::Whole(_) => (self.coarse.grid.get(*self.of.get(at)?)?.key().map(|k| k << 1), true),
+            Source::Half(id) => grid.get(*id)?.key(),
+            Source::Whole(_) => self.coarse.grid.get(*self.of.get(at)?)?.key().map(|k| k << 1),
         })
     }
 
@@ -241,7 +242,7 @@ mod tests {
         assert!(fine(&sharp).places.is_empty());
         let blurred = mapper(0.0201);
         let fine = fine(&blurred);
-        let is_whole = |at: usize| fine.key(blurred.fine().unwrap(), at).unwrap().1;
+        let is_whole = |at: usize| matches!(fine.cells[at], Source::Whole(_));
         let wide: Vec<usize> = (0..fine.cells.len()).filter(|at| is_whole(*at)).collect();
         assert_eq!((fine.cells.len(), wide.len(), fine.points), (400 + 100, 100, 20_000));
         for at in 0..fine.cells.len() {
