@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 
 use terrace::choose_cell_size;
 use terrace_benches::Usage;
-use terrace_grid::{CellId, PointErrors, VoxelGrid};
+use terrace_grid::{CellId, Motion, PointErrors, VoxelGrid};
 use terrace_regions::{Cell, Field, Sample, Samples, Settings, find};
 use terrace_synth::Scene;
 use terrace_types::{Frame, Sigma};
@@ -19,11 +19,10 @@ use terrace_types::{Frame, Sigma};
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 const RUNS: usize = 5;
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 8] = [
     "read the points: sum of their coordinates",
     "choose the cell size",
-    "to the world",
-    "cells and sums",
+    "to the world, cells and sums",
     "samples",
     "cells of the cell size",
     "regions as cells",
@@ -64,24 +63,27 @@ fn profile(points: usize) -> Outcome<()> {
         let first = scans.first().ok_or("no scan")?;
         let size = choose_cell_size(first).ok_or("no cell size")?.cell_size;
         done(&mut best)?;
-        let moved: Vec<Vec<[f64; 3]>> = scans
-            .iter()
-            .map(|scan| match scan.frame() {
-                Frame::Sensor { pose } => scan.points().iter().map(|p| pose.transform(*p)).collect(),
-                Frame::World { .. } => scan.points().to_vec(),
-            })
-            .collect();
-        done(&mut best)?;
         let mut grid = VoxelGrid::of_halves(size)?;
         let mut kept = Vec::new();
-        for (points, scan) in moved.iter().zip(&scans) {
+        for scan in &scans {
+            let points = scan.points();
             let (mut cells, mut places) =
                 (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
             let errors = match scan.sigma() {
                 Sigma::PerPoint(all) => PointErrors::Each(all),
                 _ => PointErrors::None,
             };
-            grid.insert_all(points, errors, &mut cells, Some(&mut places))?;
+            let pose = match scan.frame() {
+                Frame::Sensor { pose } => Some(pose),
+                Frame::World { .. } => None,
+            };
+            let motion = pose.map(|pose| {
+                move |from: &[[f64; 3]], to: &mut [[f64; 3]]| {
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to = pose.transform(*from));
+                }
+            });
+            let motion = motion.as_ref().map(|motion| motion as &Motion<'_>);
+            grid.insert_alone(points, motion, errors, &mut cells, Some(&mut places))?;
             kept.push((cells, places));
         }
         done(&mut best)?;

@@ -21,11 +21,11 @@ impl Ahead {
 
     /// Brings all that something holds itself into the nearest cache.
     #[inline]
-    pub(crate) fn fetch<T>(self, what: &T) {
+    pub(crate) fn fetch<T: ?Sized>(self, what: &T) {
         #[cfg(target_arch = "x86_64")]
         if let Some(sse) = self.sse {
             let first = std::ptr::from_ref(what).cast::<i8>();
-            for at in (0..size_of::<T>()).step_by(LINE) {
+            for at in (0..size_of_val(what)).step_by(LINE) {
                 sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(first.wrapping_add(at));
             }
         }

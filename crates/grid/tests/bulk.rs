@@ -69,9 +69,20 @@ fn at_once(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned, thr
             PointErrors::Covariances(all) => PointErrors::Covariances(&all[range.clone()]),
             all => all,
         };
-        let (alone, places) = (threads == 2 && range.start > 0, Some(&mut places));
-        let insert = if alone { VoxelGrid::insert_alone } else { VoxelGrid::insert_all };
-        pool.install(|| insert(&mut grid, &points[range], errors, &mut cells, places)).unwrap()
+        let alone = threads == 2 && range.start > 0;
+        let (points, places) = (&points[range], Some(&mut places));
+        let insert = || {
+            if !alone {
+                return grid.insert_all(points, errors, &mut cells, places);
+            }
+            // From the other side of the origin.
+            let turned: Vec<[f64; 3]> = points.iter().map(|point| point.map(|x| -x)).collect();
+            let turn = |from: &[[f64; 3]], to: &mut [[f64; 3]]| {
+                to.iter_mut().zip(from).for_each(|(to, from)| *to = from.map(|x| -x));
+            };
+            grid.insert_alone(&turned, Some(&turn), errors, &mut cells, places)
+        };
+        pool.install(insert).unwrap()
     });
     Outcome { cells, places, taken: taken.into(), sums: sums(&grid) }
 }

@@ -38,6 +38,7 @@ impl pulp::WithSimd for Transform<'_> {
 }
 
 impl World {
+    /// Some points of a scan in the world, with their errors there.
     pub(crate) fn part<'s>(
         &'s mut self,
         scan: &'s Scan,
@@ -55,7 +56,6 @@ impl World {
         let parts = points.par_chunks(AT_ONCE).zip(self.points.par_chunks_mut(AT_ONCE));
         parts.for_each(|(from, to)| pulp::Arch::new().dispatch(Transform { pose: &pose, from, to }));
         match scan.sigma() {
-            // An error that is the same along every axis is the same in every frame.
             Sigma::Unknown | Sigma::Uniform(_) | Sigma::PerPoint(_) => {}
             Sigma::PerAxis(all) => {
                 let turned =
@@ -82,16 +82,36 @@ impl World {
         scan: &'s Scan,
         range: Range<usize>,
     ) -> (&'s [[f64; 3]], PointErrors<'s>) {
-        let is_there = matches!(scan.frame(), Frame::World { .. });
-        let errors = match scan.sigma() {
-            Sigma::Unknown => PointErrors::None,
-            Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
-            Sigma::PerPoint(all) => PointErrors::Each(&all[range.clone()]),
-            Sigma::PerAxis(all) if is_there => PointErrors::Axes(&all[range.clone()]),
+        let points = if is_there(scan) { &scan.points()[range.clone()] } else { &self.points };
+        let errors = errors_there(scan, range).unwrap_or(match scan.sigma() {
             Sigma::PerAxis(_) => PointErrors::Axes(&self.axes),
-            Sigma::Covariance(all) if is_there => PointErrors::Covariances(&all[range.clone()]),
-            Sigma::Covariance(_) => PointErrors::Covariances(&self.covariances),
-        };
-        (if is_there { &scan.points()[range] } else { &self.points }, errors)
+            _ => PointErrors::Covariances(&self.covariances),
+        });
+        (points, errors)
     }
+}
+
+fn is_there(scan: &Scan) -> bool {
+    matches!(scan.frame(), Frame::World { .. })
+}
+
+/// The errors of some points of a scan that are the same in the world; `None` where they are to be turned.
+pub(crate) fn errors_there(scan: &Scan, range: Range<usize>) -> Option<PointErrors<'_>> {
+    Some(match scan.sigma() {
+        Sigma::Unknown => PointErrors::None,
+        // One that is the same along every axis is the same in every frame.
+        Sigma::Uniform(sigma) => PointErrors::Same(*sigma),
+        Sigma::PerPoint(all) => PointErrors::Each(&all[range]),
+        Sigma::PerAxis(all) if is_there(scan) => PointErrors::Axes(&all[range]),
+        Sigma::Covariance(all) if is_there(scan) => PointErrors::Covariances(&all[range]),
+        Sigma::PerAxis(_) | Sigma::Covariance(_) => return None,
+    })
+}
+
+/// What takes points of a scan into the world, if they are not there.
+pub(crate) fn motion(scan: &Scan) -> Option<impl Fn(&[[f64; 3]], &mut [[f64; 3]])> {
+    let Frame::Sensor { pose } = scan.frame() else { return None };
+    Some(move |from: &[[f64; 3]], to: &mut [[f64; 3]]| {
+        pulp::Arch::new().dispatch(Transform { pose: &pose, from, to });
+    })
 }

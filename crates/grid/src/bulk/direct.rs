@@ -2,7 +2,8 @@
 
 use super::locate::{BATCH, Located, NOWHERE};
 use super::split::Split;
-use super::{Chunk, Taken, records};
+use super::{Chunk, Motion, Taken, records};
+use crate::ahead::Ahead;
 use crate::block::{BlockKey, RECENT};
 use crate::grid::Home;
 use crate::{CellId, VoxelGrid, VoxelKey};
@@ -41,6 +42,7 @@ impl VoxelGrid {
     pub(super) fn insert_in_order(
         &mut self,
         chunk: &Chunk<'_>,
+        motion: Option<&Motion<'_>>,
         cells: &mut Vec<Option<CellId>>,
         mut places: Option<&mut Vec<[i16; 3]>>,
     ) -> Taken {
@@ -48,9 +50,17 @@ impl VoxelGrid {
         let (mut located, mut split) = (Located::new(), Split::new());
         let mut homes = [Home::default(); BATCH];
         let mut found = [None; BATCH];
-        let lattice = self.lattice;
+        let (lattice, ahead) = (self.lattice, Ahead::new());
+        let mut moved = [[0.0; 3]; BATCH];
         for (batch, points) in chunk.points.chunks(BATCH).enumerate() {
             let begin = batch * BATCH;
+            let moved = &mut moved[..points.len()];
+            let points = motion.map_or(points, |motion| {
+                motion(points, moved);
+                moved
+            });
+            let next = chunk.points.get(begin + BATCH..).unwrap_or(&[]);
+            chunk.errors.fetch(begin + BATCH..begin + BATCH + next.len().min(BATCH), ahead);
             let errors = chunk.errors.part(begin..begin + points.len());
             let inside = located.locate(points, lattice);
             let all = inside && errors.are_valid();
@@ -64,9 +74,12 @@ impl VoxelGrid {
             if all {
                 split.split(&located.keys[..points.len()]);
                 let keys = located.keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
-                for ((((key, block), recent), place), (home, found)) in
-                    keys.zip(homes.iter_mut().zip(&mut *found))
+                for (at, ((((key, block), recent), place), (home, found))) in
+                    keys.zip(homes.iter_mut().zip(&mut *found)).enumerate()
                 {
+                    if let Some(next) = next.get(at) {
+                        ahead.fetch(next);
+                    }
                     match self.met(*block, *recent as usize, *place as usize) {
                         Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
                         None => *found = self.founded_at(*key, home),

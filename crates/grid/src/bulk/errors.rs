@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use terrace_stats::{SymmetricMatrix3, UncertainVector};
 
+use crate::ahead::Ahead;
 use crate::{CellId, GridError, VoxelGrid};
 
 /// The errors of points that are inserted together, in metres.
@@ -40,6 +41,16 @@ impl PointErrors<'_> {
             Self::Each(sigmas) => Self::Each(&sigmas[range]),
             Self::Axes(sigmas) => Self::Axes(&sigmas[range]),
             Self::Covariances(covariances) => Self::Covariances(&covariances[range]),
+        }
+    }
+
+    /// Asks for the memory of those of some of the points.
+    pub(super) fn fetch(&self, range: Range<usize>, ahead: Ahead) {
+        match self {
+            Self::None | Self::Same(_) => {}
+            Self::Each(sigmas) => ahead.fetch(sigmas.get(range).unwrap_or(&[])),
+            Self::Axes(sigmas) => ahead.fetch(sigmas.get(range).unwrap_or(&[])),
+            Self::Covariances(covariances) => ahead.fetch(covariances.get(range).unwrap_or(&[])),
         }
     }
 

@@ -23,6 +23,10 @@ use crate::{Assignment, GridError, VoxelGrid};
 /// Points of a chunk. The larger, the more often a cell of shuffled points is met while it is in the cache.
 const CHUNK: usize = 1 << 21;
 
+/// Takes points, some at a time, from where they are told to where they are in the grid: from the frame of a sensor into that of the world.
+/// It is given as many places to put them.
+pub type Motion<'a> = dyn Fn(&[[f64; 3]], &mut [[f64; 3]]) + 'a;
+
 /// What became of points that were inserted together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Taken {
@@ -77,28 +81,31 @@ impl VoxelGrid {
         cells: &mut Vec<Option<CellId>>,
         places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
-        self.insert_by(false, points, errors, cells, places)
+        self.insert_by(false, (points, None), errors, cells, places)
     }
 
     /// As [`insert_all`](Self::insert_all), to the bit, and on the calling thread alone: for those who have other work for the others.
     /// Takes less CPU time than on several for points that [come in order](Self::are_in_order), and more for others.
+    ///
+    /// With a `motion` points are inserted where that takes them, without a list of all of them there; errors are told as they are there.
     ///
     /// # Errors
     /// As [`insert_all`](Self::insert_all).
     pub fn insert_alone(
         &mut self,
         points: &[[f64; 3]],
+        motion: Option<&Motion<'_>>,
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
         places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
-        self.insert_by(true, points, errors, cells, places)
+        self.insert_by(true, (points, motion), errors, cells, places)
     }
 
     fn insert_by(
         &mut self,
         alone: bool,
-        points: &[[f64; 3]],
+        (points, motion): (&[[f64; 3]], Option<&Motion<'_>>),
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
         mut places: Option<&mut Vec<[i16; 3]>>,
@@ -119,9 +126,15 @@ impl VoxelGrid {
             let room = self.len() + points.len() <= MOST_CELLS;
             let by_voxel = self.assignment == Assignment::Voxel && room;
             if by_voxel && (alone || rayon::current_num_threads() == 1 && self.are_in_order(points)) {
-                taken.add(&self.insert_in_order(&chunk, cells, places.as_deref_mut()));
+                taken.add(&self.insert_in_order(&chunk, motion, cells, places.as_deref_mut()));
                 continue;
             }
+            let mut moved = Vec::new();
+            if let Some(motion) = motion {
+                moved.resize(points.len(), [0.0; 3]);
+                motion(points, &mut moved);
+            }
+            let chunk = Chunk { points: if motion.is_some() { &moved } else { points }, ..chunk };
             let cells = extend(cells, None, points.len());
             let places = places.as_mut().map(|places| extend(places, [0; 3], points.len()));
             taken.add(&if by_voxel {

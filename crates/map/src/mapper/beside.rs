@@ -93,7 +93,7 @@ impl Front<'_> {
         cells.clear();
         places.clear();
         let (points, errors) = world.made(scan, range);
-        let taken = self.grid.insert_alone(points, errors, cells, self.places.then_some(places));
+        let taken = self.grid.insert_alone(points, None, errors, cells, self.places.then_some(places));
         self.taken = self.taken.and_then(|all| Ok(both(&all, &taken?)));
         self.taken.is_ok()
     }

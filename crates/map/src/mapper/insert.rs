@@ -2,14 +2,14 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{GridError, Taken};
+use terrace_grid::{GridError, Motion, Taken};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
 
 use super::{Kept, Mapper, View, cell_number};
 use crate::cell_size::choose_from;
-use crate::world::World;
+use crate::world::{World, errors_there, motion};
 use crate::{InsertError, Inserted, Weighting};
 
 /// Points that go through all steps together: on several threads, and on one, where they stay in the cache.
@@ -132,19 +132,28 @@ impl Mapper {
         let at_once = if alone { ALONE } else { AT_ONCE };
         // Looked at once for the scan, not again for each part of it.
         let in_order = alone && grid.are_in_order(scan.points());
-        let mut world = World::default();
+        let (mut world, motion) = (World::default(), motion(scan));
+        let motion = motion.as_ref().map(|motion| motion as &Motion<'_>);
         for first in (0..scan.len()).step_by(at_once) {
-            let (points, errors) = world.part(scan, first..(first + at_once).min(scan.len()));
+            let range = first..(first + at_once).min(scan.len());
             if self.seen.is_some() {
                 kept.cells.clear();
                 kept.places.clear();
             }
             let begin = kept.cells.len();
             let (cells, to) = (&mut kept.cells, grows.then_some(&mut kept.places));
-            let taken = if in_order {
-                grid.insert_alone(points, errors, cells, to)
-            } else {
-                grid.insert_all(points, errors, cells, to)
+            let taken = match errors_there(scan, range.clone()) {
+                Some(errors) if in_order => {
+                    grid.insert_alone(&scan.points()[range], motion, errors, cells, to)
+                }
+                _ => {
+                    let (points, errors) = world.part(scan, range);
+                    if in_order {
+                        grid.insert_alone(points, None, errors, cells, to)
+                    } else {
+                        grid.insert_all(points, errors, cells, to)
+                    }
+                }
             }?;
             all = both(&all, &taken);
             if let Some(seen) = self.seen.as_mut().filter(|_| matters) {
