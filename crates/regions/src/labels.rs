@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use crate::RegionsError;
 use crate::field::Field;
-use crate::grow::Region;
+use crate::flat::Flat;
 use crate::near::{Nearby, Within};
-use crate::of_cells::OfCells;
+use crate::of_cells::{OfCells, Part};
 
 /// Points, each of a cell.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +47,11 @@ pub(crate) struct Piece {
     /// The place of the cell along the curve.
     pub(crate) cell: u32,
     pub(crate) points: u32,
+}
+
+/// Where the points of a piece are.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Whereabouts {
     /// Sum of their places from the anchor of the cell.
     pub(crate) sum: DVec3,
     /// Sum of their squared distances from its plane, in m².
@@ -66,50 +71,57 @@ pub(crate) fn by_region(pieces: &[Piece], regions: usize) -> Vec<Vec<u32>> {
     of_each
 }
 
-/// The pieces of all cells, as their samples tell. A cell whose whole sample is of one region is of it with all its points.
-pub(crate) fn pieces<P: Iterator<Item = ([f32; 3], f64)>>(
-    field: &Field,
-    of_cells: &OfCells,
-    regions: &[Region],
-    reach: f64,
-    samples: impl Fn(usize) -> P + Sync,
-) -> Vec<Piece> {
-    // Which there are is told first: so they are written where they stay.
-    let mut told: Vec<(u32, u32)> = Vec::with_capacity(of_cells.parts.len());
+/// The pieces of all cells, as their samples tell, along the curve.
+pub(crate) fn pieces(of_cells: &OfCells) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(of_cells.parts.len());
     for (cell, of_cell) in (0..).zip(&of_cells.parts) {
-        for (part, of) in (0..).zip(of_cell.as_slice()) {
-            if of.labelled > 0.0 {
-                told.push((cell, part));
-            }
-        }
-    }
-    let piece = |(cell, part): &(u32, u32)| {
-        let at = *cell as usize;
-        let part = &of_cells.parts[at].as_slice()[*part as usize];
-        let plane = &regions[part.region as usize].fitted.plane;
-        let (sums, anchor) = (&field.cells[at], field.anchors[at]);
+        let labelled = of_cell.as_slice().iter().filter(|part| part.labelled > 0.0);
         // Shares of a count of 64 bits that is above 2³² do not occur: so many points are not numbered.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let points = part.labelled.round().max(1.0) as u32;
-        let piece =
-            |sum: DVec3, squares: f64| Piece { region: part.region, cell: *cell, points, sum, squares };
-        // Less than all is less by a sampled point at least: shares of the points are rounded.
-        if part.labelled + 0.5 >= sums.points {
-            return piece((sums.mean - anchor) * sums.points, sums.mean_square(plane) * sums.points);
+        let points = |part: &Part| part.labelled.round().max(1.0) as u32;
+        pieces.extend(labelled.map(|part| Piece { region: part.region, cell, points: points(part) }));
+    }
+    pieces
+}
+
+/// What tells where the points of pieces are.
+pub(crate) struct Looking<'a, S> {
+    pub(crate) field: &'a Field,
+    pub(crate) of_cells: &'a OfCells,
+    pub(crate) reach: f64,
+    /// Places of some points of a cell, each with the number of points that it stands for.
+    pub(crate) samples: S,
+}
+
+impl<P: Iterator<Item = ([f32; 3], f64)>, S: Fn(usize) -> P + Sync> Looking<'_, S> {
+    /// Where the points of pieces of one region are, whose number was this and whose plane this is.
+    pub(crate) fn at(&self, pieces: &[Piece], region: u32, plane: &Flat) -> Vec<(Piece, Whereabouts)> {
+        let of_piece = |piece: &Piece| (*piece, self.at_one(piece, region, plane));
+        pieces.par_iter().with_min_len(AT_ONCE).map(of_piece).collect()
+    }
+
+    /// A cell whose whole sample is of one region is of it with all its points.
+    fn at_one(&self, piece: &Piece, region: u32, plane: &Flat) -> Whereabouts {
+        let Self { field, of_cells, reach, samples } = self;
+        let at = piece.cell as usize;
+        let (sums, anchor) = (&field.cells[at], field.anchors[at]);
+        let own = of_cells.parts[at].as_slice().iter().find(|part| part.region == region);
+        if own.is_some_and(|part| part.is_all_of(sums.points)) {
+            let sum = (sums.mean - anchor) * sums.points;
+            return Whereabouts { sum, squares: sums.mean_square(plane) * sums.points };
         }
         let (mut count, mut sum, mut squares) = (0.0, DVec3::ZERO, 0.0);
         for (place, each) in samples(at) {
-            if of_cells.nearby[at].label(place, reach) == Some(part.region) {
+            if of_cells.nearby[at].label(place, *reach) == Some(region) {
                 let place = DVec3::from(place.map(f64::from));
                 count += each;
                 sum += place * each;
                 squares += plane.distance(anchor + place).powi(2) * each;
             }
         }
-        let each = if count > 0.0 { f64::from(points) / count } else { 0.0 };
-        piece(sum * each, squares * each)
-    };
-    told.par_iter().with_min_len(AT_ONCE).map(piece).collect()
+        let each = if count > 0.0 { f64::from(piece.points) / count } else { 0.0 };
+        Whereabouts { sum: sum * each, squares: squares * each }
+    }
 }
 
 impl Nearby {

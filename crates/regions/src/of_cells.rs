@@ -22,6 +22,13 @@ pub(crate) struct Part {
     pub(crate) labelled: f64,
 }
 
+impl Part {
+    /// Whether the whole sample of a cell of so many points is of it: shares of the points are rounded.
+    pub(crate) fn is_all_of(&self, points: f64) -> bool {
+        self.labelled + 0.5 >= points
+    }
+}
+
 /// By number of the region.
 #[derive(Debug, Clone)]
 pub(crate) enum Parts {
@@ -61,9 +68,9 @@ impl Parts {
         }
     }
 
-    /// That which the whole sample of a cell of so many points is of: shares of the points are rounded.
+    /// That which the whole sample of a cell of so many points is of.
     pub(crate) fn whole(&self, points: f64) -> Option<&Part> {
-        self.as_slice().iter().find(|part| part.labelled + 0.5 >= points)
+        self.as_slice().iter().find(|part| part.is_all_of(points))
     }
 
     pub(crate) fn regions(&self) -> impl Iterator<Item = u32> {

@@ -270,11 +270,10 @@ impl Groups {
 mod tests {
     use super::*;
     use crate::curve::Curve;
-    use glam::DVec3;
     use proptest::prelude::*;
 
     fn piece(cell: u32, points: u32) -> Piece {
-        Piece { region: 0, cell, points, sum: DVec3::ZERO, squares: 0.0 }
+        Piece { region: 0, cell, points }
     }
 
     /// Groups as sets that hang together, with their points, the most first; by merging sets until none touch.

@@ -11,7 +11,7 @@ use crate::field::Field;
 use crate::flat::{Fitted, Flat};
 use crate::grow::{Growth, Region as Surface, grow};
 use crate::labeller::{Labeller, Measure};
-use crate::labels::{Piece, Points, by_region, pieces};
+use crate::labels::{Looking, Piece, Points, Whereabouts, by_region, pieces};
 use crate::mixture::Mixture;
 use crate::parts::take_apart;
 use crate::shares::{Share, in_order};
@@ -196,7 +196,7 @@ impl Grown {
         let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
         let mut of_cells = mixture.solve(&grown);
         mixture.recount(&mut of_cells);
-        let mut pieces = pieces(&field, &of_cells, &grown, settings.reach, |cell| mixture.weighted(cell));
+        let mut pieces = pieces(&of_cells);
 
         let (numbers, from) = take_apart(
             &field,
@@ -210,6 +210,8 @@ impl Grown {
             piece.region = number;
         }
         let pieces_of = by_region(&pieces, surface_of.len());
+        let samples = |cell: usize| mixture.weighted(cell);
+        let looking = Looking { field: &field, of_cells: &of_cells, reach: settings.reach, samples };
         let looks_flat = |region: &Region| {
             let curved = |bend: Bend| {
                 bend.turn > settings.turn
@@ -219,8 +221,10 @@ impl Grown {
             !settings.takes(Step::Curved) || !region.bend.is_some_and(curved)
         };
         let region = |((number, surface), of): ((u32, &u32), &Vec<u32>)| {
-            let pieces = of.iter().map(|at| &pieces[*at as usize]);
-            let region = Region::of(&field, noise, &grown[*surface as usize].fitted, *surface, pieces)?;
+            let pieces: Vec<Piece> = of.iter().map(|at| pieces[*at as usize]).collect();
+            let fitted = &grown[*surface as usize].fitted;
+            let pieces = looking.at(&pieces, *surface, &fitted.plane);
+            let region = Region::of(&field, noise, fitted, *surface, &pieces)?;
             looks_flat(&region).then_some((number, region))
         };
         let numbered = (0..u32::MAX).into_par_iter().zip(&surface_of).zip(&pieces_of);
@@ -237,6 +241,8 @@ impl Grown {
         for (new, (old, _)) in (0..).zip(&found) {
             rank[*old as usize] = Some(new);
         }
+        // What labels points is as large as what told which cells touch.
+        field.levels.clear();
         let anchors = std::mem::take(&mut field.anchors);
         let share = |piece: &Piece| {
             let region = rank[piece.region as usize]?;
@@ -304,12 +310,12 @@ impl Found {
 
 impl Region {
     /// What the labelled points of a grown region look like; `None` without any.
-    fn of<'p>(
+    fn of(
         field: &Field,
         noise: Noise,
         fitted: &Fitted,
         surface: u32,
-        pieces: impl Iterator<Item = &'p Piece>,
+        pieces: &[(Piece, Whereabouts)],
     ) -> Option<Self> {
         let looks = Looks::of(field, fitted, pieces);
         (looks.points > 0).then(|| Self {

@@ -7,7 +7,7 @@ use hashbrown::HashMap;
 use crate::bend::{Bend, Column};
 use crate::field::Field;
 use crate::flat::Fitted;
-use crate::labels::Piece;
+use crate::labels::{Piece, Whereabouts};
 
 /// Points and the sum of their places from the centroid.
 #[derive(Default, Clone, Copy)]
@@ -45,7 +45,7 @@ fn covered(columns: &Numbers, is_wide: &[bool]) -> usize {
 }
 
 impl Looks {
-    pub(crate) fn of<'p>(field: &Field, fitted: &Fitted, pieces: impl Iterator<Item = &'p Piece>) -> Self {
+    pub(crate) fn of(field: &Field, fitted: &Fitted, pieces: &[(Piece, Whereabouts)]) -> Self {
         let normal = fitted.plane.normal;
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
         let column_of = |piece: &Piece| {
@@ -55,7 +55,7 @@ impl Looks {
         let mut numbers = Numbers::default();
         let (mut all, mut squares) = (0, 0.0);
         let (mut columns, mut is_wide): (Vec<Sum>, Vec<bool>) = (Vec::new(), Vec::new());
-        for piece in pieces {
+        for (piece, points_are) in pieces {
             let number = *numbers.entry(column_of(piece)).or_insert(columns.len());
             if number == columns.len() {
                 columns.push(Sum::default());
@@ -66,10 +66,10 @@ impl Looks {
             let points = f64::from(piece.points);
             if let Some(column) = columns.get_mut(number) {
                 column.points += points;
-                column.place += piece.sum + anchor * points;
+                column.place += points_are.sum + anchor * points;
             }
             all += u64::from(piece.points);
-            squares += piece.squares;
+            squares += points_are.squares;
         }
         let covered = if is_wide.contains(&true) { covered(&numbers, &is_wide) } else { columns.len() };
         let area = covered as f64 * field.edge * field.edge / normal[axis].abs();

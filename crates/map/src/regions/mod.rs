@@ -130,7 +130,8 @@ impl<'m> Grown<'m> {
         let unit = cells.place_unit();
         let index = match cells {
             Cow::Borrowed(_) => None,
-            Cow::Owned(cells) => Some(cells.into_index()),
+            // Only points that come again are told by where they are.
+            Cow::Owned(cells) => mapper.is_streaming().then(|| cells.into_index()),
         };
         // Regions grow one after the other: what does not need them has the other threads.
         let beside = || {
