@@ -2,6 +2,7 @@
 
 use terrace_stats::Moments;
 
+use crate::ahead::Ahead;
 use crate::block::{BlockKey, PARTS, RECENT, place_of};
 use crate::bulk::{Scratch, unit_of};
 use crate::cell::{Cell, CellId};
@@ -9,6 +10,9 @@ use crate::dense::{Connectivity, DenseCells};
 use crate::key::Lattice;
 use crate::part::Part;
 use crate::{Assignment, GridError, MAX_INDEX, VoxelKey, validate_cell_size};
+
+/// How many cells later the memory of one is needed that is asked for.
+const AHEAD: usize = 8;
 
 /// Cells a grid can number.
 pub(crate) const MOST_CELLS: usize = u32::MAX as usize - 1;
@@ -200,7 +204,14 @@ impl VoxelGrid {
 
     /// All cells in the order in which they were founded: that of [`CellId::index`].
     pub fn founded(&self) -> impl Iterator<Item = Cell<'_>> {
-        let with_id = |(index, home): (usize, &Home)| Some(self.cell(CellId::from_index(index)?, *home));
+        let ahead = Ahead::new();
+        let with_id = move |(index, home): (usize, &Home)| {
+            // In this order cells are anywhere in memory.
+            if let Some(later) = self.homes.get(index + AHEAD) {
+                ahead.fetch(&self.parts[later.part as usize].slots[later.slot]);
+            }
+            Some(self.cell(CellId::from_index(index)?, *home))
+        };
         self.homes.iter().enumerate().filter_map(with_id)
     }
 

@@ -1,12 +1,8 @@
 //! The same points in larger cells.
 
-use crate::ahead::Ahead;
 use crate::cell::CellId;
 use crate::key::Lattice;
 use crate::{GridError, VoxelGrid, validate_cell_size};
-
-/// How many cells later the memory of one is needed that is asked for.
-const AHEAD: usize = 8;
 
 impl VoxelGrid {
     /// The grid of half the resolution, and for each cell, by [`CellId::index`], the cell it became part of.
@@ -39,12 +35,7 @@ impl VoxelGrid {
         };
         let mut coarse = Self::of_lattice(Lattice { size, halves: false }, self.assignment);
         let mut of_cell = Vec::with_capacity(self.len());
-        let ahead = Ahead::new();
-        for (index, cell) in self.founded().enumerate() {
-            // In the order in which they were founded cells are anywhere in memory.
-            if let Some(later) = self.homes.get(index + AHEAD) {
-                ahead.fetch(&self.parts[later.part as usize].slots[later.slot]);
-            }
+        for cell in self.founded() {
             let key = cell.key().map(|k| k >> 1);
             let (home, _) = coarse.home_or_new(key)?;
             if self.lattice.halves {

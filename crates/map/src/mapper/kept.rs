@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use terrace_grid::CellId;
 use terrace_types::PlaneId;
 
@@ -57,6 +58,19 @@ impl Tags {
     pub(crate) fn of(cells: Vec<Option<CellId>>) -> Self {
         // A list that is made of another, number by number, stays where that is.
         Self(cells.into_iter().map(|cell| tag(cell.map(cell_number))).collect())
+    }
+
+    /// With room for those of so many points.
+    pub(crate) fn with_capacity(points: usize) -> Self {
+        Self(Vec::with_capacity(points))
+    }
+
+    /// Those of so many points more, which are of none. On all threads: memory that is used for the first time is handed out by the system
+    /// page by page.
+    pub(crate) fn more(&mut self, points: usize) -> &mut [u32] {
+        let first = self.0.len();
+        self.0.par_extend(rayon::iter::repeat_n(0, points));
+        &mut self.0[first..]
     }
 
     pub(crate) fn as_mut_slice(&mut self) -> &mut [u32] {

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use terrace_types::PlaneId;
 
 use super::tallies::{Measures, Tallies};
 use super::{AT_ONCE, Grown, label_each};
@@ -14,38 +13,34 @@ use crate::packed::unpacked;
 impl Grown<'_> {
     /// The labels of all points, of which these are kept, and what they measure, view by view. They are in the memory of their cells, if that
     /// is given away and in one piece.
-    pub(super) fn label_kept(&self, kept: Cow<'_, [Kept]>) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+    pub(super) fn label_kept(&self, kept: Cow<'_, [Kept]>) -> (Tags, Vec<Measures>) {
         match in_one_piece(kept) {
             Ok(kept) => self.label_in_place(kept),
             Err(kept) => self.label_beside(&kept),
         }
     }
 
-    fn label_beside(&self, kept: &[Kept]) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+    fn label_beside(&self, kept: &[Kept]) -> (Tags, Vec<Measures>) {
         let (labeller, unit) = (&self.found.labeller, self.unit);
-        let mut labels: Vec<Option<PlaneId>> = Vec::with_capacity(self.mapper.len());
+        let mut tags = Tags::with_capacity(self.mapper.len());
         let points: Vec<usize> = kept.iter().map(|kept| kept.places.len()).collect();
         let by_view = self.by_view(&points, |part, range, tallies| {
-            let first = labels.len();
-            // On all threads: memory that is used for the first time is handed out by the system page by page.
-            labels.par_extend(rayon::iter::repeat_n(None, range.len()));
+            let tags = tags.more(range.len());
             let Kept { cells, places } = &kept[part];
             let cells = cells[range.clone()].par_chunks(AT_ONCE);
             let places = places[range].par_chunks(AT_ONCE);
-            let all = cells.zip(places).zip(labels[first..].par_chunks_mut(AT_ONCE));
+            let all = cells.zip(places).zip(tags.par_chunks_mut(AT_ONCE));
             let begin = || tallies.borrow(labeller);
-            all.for_each_init(begin, |tally, ((cells, places), labels)| {
+            all.for_each_init(begin, |tally, ((cells, places), tags)| {
                 let cells = cells.iter().map(|cell| cell.map(cell_number));
-                let points = cells.zip(unpacked(places, unit)).zip(labels);
-                label_each(labeller, points, tally, |label, region| {
-                    *label = region.and_then(|region| PlaneId::from_index(region as usize));
-                });
+                let points = cells.zip(unpacked(places, unit)).zip(tags);
+                label_each(labeller, points, tally, |label, region| *label = tag(region));
             });
         });
-        (labels, by_view)
+        (tags, by_view)
     }
 
-    fn label_in_place(&self, kept: Kept) -> (Vec<Option<PlaneId>>, Vec<Measures>) {
+    fn label_in_place(&self, kept: Kept) -> (Tags, Vec<Measures>) {
         let (labeller, unit) = (&self.found.labeller, self.unit);
         let Kept { cells, places } = kept;
         let mut tags = Tags::of(cells);
@@ -59,7 +54,7 @@ impl Grown<'_> {
                 label_each(labeller, points, tally, |label, region| *label = tag(region));
             });
         });
-        (tags.into_labels(), by_view)
+        (tags, by_view)
     }
 
     /// What the points of each view measure, once `label` has labelled those of a part at these places in it: views follow each other in

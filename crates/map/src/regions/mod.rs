@@ -63,11 +63,13 @@ impl Mapper {
     ) -> Result<PlaneMap, ExtractError> {
         let mut grown = Grown::of(self, cells, &kept, settings, &mut begins)?;
         begins(Stage::Label { points: self.len() });
-        let (mut labels, by_view) = grown.label_kept(kept);
+        let (tags, by_view) = grown.label_kept(kept);
         let measures = summed(&by_view, grown.found.regions.len());
         let numbers = grown.found.by_measures(&measures);
         let number = |old: usize| PlaneId::from_index((*numbers.get(old)?)? as usize);
-        let Planes { mut map, joined, .. } = grown.planes();
+        // One list that becomes another is on one thread.
+        let (mut labels, Planes { mut map, joined, .. }) =
+            rayon::join(|| tags.into_labels(), || grown.planes());
         let numbers: Vec<Option<PlaneId>> = (0..numbers.len())
             .map(|old| number(old).and_then(|id| joined.as_ref().map_or(Some(id), |anew| anew[id.index()])))
             .collect();
