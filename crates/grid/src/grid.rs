@@ -126,6 +126,15 @@ impl VoxelGrid {
         self.homes.get(id.index()).map(|home| self.cell(id, *home))
     }
 
+    /// Has the memory of a cell brought near, if there is one of this identity: for cells that are looked at soon, in an order that only the
+    /// caller knows.
+    #[inline]
+    pub fn fetch(&self, id: CellId) {
+        if let Some(home) = self.homes.get(id.index()) {
+            Ahead::new().fetch(&self.parts[home.part as usize].slots[home.slot]);
+        }
+    }
+
     /// All cells in the order of their keys (x first, then y, then z), which does not depend on the order of insertion.
     /// Sorts them on every call.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Cell<'_>> {

@@ -21,6 +21,42 @@ pub struct Cell {
     pub stats: Stats,
 }
 
+/// Cells that may be kept elsewhere: of each, by its place, what a [`Cell`] is.
+pub trait Cells: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// See [`Cell::key`].
+    fn key(&self, at: usize) -> [i32; 3];
+
+    /// See [`Cell::is_wide`].
+    fn is_wide(&self, at: usize) -> bool;
+
+    /// See [`Cell::stats`].
+    fn stats(&self, at: usize) -> Stats;
+
+    /// That the sums of a cell are asked for soon: a chance to have its memory brought.
+    fn fetch(&self, _at: usize) {}
+}
+
+impl Cells for [Cell] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn key(&self, at: usize) -> [i32; 3] {
+        self[at].key
+    }
+
+    fn is_wide(&self, at: usize) -> bool {
+        self[at].is_wide
+    }
+
+    fn stats(&self, at: usize) -> Stats {
+        self[at].stats
+    }
+}
+
 /// A cell with what is asked of it again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct Sums {

@@ -16,7 +16,7 @@ use crate::level::{Level, number};
 use crate::shared::SharedNoise;
 use crate::sum::Sum;
 use crate::turned::Turned;
-use crate::{Cell, RegionsError};
+use crate::{Cell, Cells, RegionsError};
 
 /// Resolutions: that of the cells, and coarser ones, each with twice the edge of the one before.
 pub(crate) const LEVELS: u32 = 4;
@@ -24,6 +24,8 @@ pub(crate) const LEVELS: u32 = 4;
 pub(crate) const COARSE: usize = 1;
 /// Work that is handed to a thread at once.
 const AT_ONCE: usize = 1024;
+/// How many cells later the sums of one are needed whose memory is asked for.
+const AHEAD: usize = 8;
 /// Neighbourhoods that are looked at side by side: as many as the widest vectors hold.
 const LANES: usize = 8;
 
@@ -74,37 +76,36 @@ impl Field {
     /// [`RegionsError`] for an edge that is no length, for a cell without points or whose sums are not finite, for two cells at one place,
     /// and for more cells than are numbered.
     pub fn of(cells: &[Cell], edge: f64) -> Result<Self, RegionsError> {
-        Self::of_each(cells.len(), |at| cells[at].key, |at| cells[at].is_wide, |at| cells[at].stats, edge)
+        Self::of_each(cells, edge)
     }
 
-    /// As [`of`](Self::of), for so many cells that are kept elsewhere: `key`, `is_wide` and `stats` tell what a [`Cell`] is.
+    /// As [`of`](Self::of), for cells that are kept elsewhere.
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn of_each(
-        cells: usize,
-        key: impl Fn(usize) -> [i32; 3],
-        is_wide: impl Fn(usize) -> bool,
-        stats: impl Fn(usize) -> Stats + Sync,
-        edge: f64,
-    ) -> Result<Self, RegionsError> {
+    pub fn of_each(given: &(impl Cells + ?Sized), edge: f64) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
+        let cells = given.count();
         if u32::try_from(cells).is_err() {
             return Err(RegionsError::TooMany { cells });
         }
+        let (is_wide, stats) = (|at: usize| given.is_wide(at), |at: usize| given.stats(at));
         // Of a wide cell that of the first cell it is in the place of.
-        let first = |at: usize| if is_wide(at) { key(at).map(|k| k & !1) } else { key(at) };
+        let first = |at: usize| if is_wide(at) { given.key(at).map(|k| k & !1) } else { given.key(at) };
         let curve = Curve::of(cells, first);
         let order = &curve.order;
         let some_wide = (0..cells).any(&is_wide);
         let wide: Vec<bool> =
-            order.iter().take_while(|_| some_wide).map(|given| is_wide(*given as usize)).collect();
+            order.iter().take_while(|_| some_wide).map(|at| is_wide(*at as usize)).collect();
         let anchored = Anchored::cubes(&curve.along, |rank| stats(order[rank] as usize).anchor().into());
         let strange = AtomicBool::new(false);
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
+            if let Some(later) = order.get(rank + AHEAD) {
+                given.fetch(*later as usize);
+            }
             let stats = stats(order[rank] as usize);
             let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);

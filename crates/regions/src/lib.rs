@@ -104,7 +104,7 @@ mod turned;
 mod weighed;
 
 pub use bend::{Bend, Column};
-pub use cell::Cell;
+pub use cell::{Cell, Cells};
 pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labeller::{Labeller, Measure, Tally};

@@ -1,7 +1,9 @@
 //! The fine cells, as regions take them.
 
 use terrace_grid::{CellId, VoxelGrid};
-use terrace_regions::{Field, Found, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together};
+use terrace_regions::{
+    Cells, Field, Found, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together,
+};
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
 
@@ -101,11 +103,7 @@ impl<'m> Fine<'m> {
 
     /// The cells laid out for regions to grow over, by the grid that they are of.
     pub(crate) fn field(&self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
-        // All are cells of the grids.
-        let key = |at: usize| self.key(grid, at).unwrap_or([0; 3]);
-        let is_whole = |at: usize| matches!(self.cells.get(at), Some(Source::Whole(_)));
-        let stats = |at: usize| self.stats(grid, at).unwrap_or(Stats::new([0.0; 3]));
-        Field::of_each(self.cells.len(), key, is_whole, stats, grid.cell_size())
+        Field::of_each(&OfGrid { fine: self, grid }, grid.cell_size())
     }
 
     /// The key of a cell, of a whole one that of the first cell it is in the place of.
@@ -193,6 +191,37 @@ impl<'m> Fine<'m> {
             PlaneId::from_index(region as usize).filter(|_| is_owner)
         });
         owner.collect()
+    }
+}
+
+/// The cells with the grid that they are of.
+struct OfGrid<'a> {
+    fine: &'a Fine<'a>,
+    grid: &'a VoxelGrid,
+}
+
+impl Cells for OfGrid<'_> {
+    fn count(&self) -> usize {
+        self.fine.cells.len()
+    }
+
+    // All are cells of the grids.
+    fn key(&self, at: usize) -> [i32; 3] {
+        self.fine.key(self.grid, at).unwrap_or([0; 3])
+    }
+
+    fn is_wide(&self, at: usize) -> bool {
+        matches!(self.fine.cells.get(at), Some(Source::Whole(_)))
+    }
+
+    fn stats(&self, at: usize) -> Stats {
+        self.fine.stats(self.grid, at).unwrap_or(Stats::new([0.0; 3]))
+    }
+
+    fn fetch(&self, at: usize) {
+        if let Some(Source::Half(id)) = self.fine.cells.get(at) {
+            self.grid.fetch(*id);
+        }
     }
 }
 
