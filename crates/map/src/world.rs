@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use terrace_grid::PointErrors;
+use terrace_grid::{Motion, PointErrors};
 use terrace_types::{Frame, Pose, Scan, Sigma};
 
 /// Points that are handed to a thread at once.
@@ -109,9 +109,7 @@ pub(crate) fn errors_there(scan: &Scan, range: Range<usize>) -> Option<PointErro
 }
 
 /// What takes points of a scan into the world, if they are not there.
-pub(crate) fn motion(scan: &Scan) -> Option<impl Fn(&[[f64; 3]], &mut [[f64; 3]])> {
+pub(crate) fn motion(scan: &Scan) -> Option<Box<Motion<'static>>> {
     let Frame::Sensor { pose } = scan.frame() else { return None };
-    Some(move |from: &[[f64; 3]], to: &mut [[f64; 3]]| {
-        pulp::Arch::new().dispatch(Transform { pose: &pose, from, to });
-    })
+    Some(Box::new(move |from, to| pulp::Arch::new().dispatch(Transform { pose: &pose, from, to })))
 }

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use terrace_grid::{GridError, Motion, Taken};
+use terrace_grid::{GridError, Taken};
 use terrace_noise::PoseNoise;
 use terrace_stats::UncertainVector;
 use terrace_types::Scan;
@@ -133,7 +133,6 @@ impl Mapper {
         // Looked at once for the scan, not again for each part of it.
         let in_order = alone && grid.are_in_order(scan.points());
         let (mut world, motion) = (World::default(), motion(scan));
-        let motion = motion.as_ref().map(|motion| motion as &Motion<'_>);
         for first in (0..scan.len()).step_by(at_once) {
             let range = first..(first + at_once).min(scan.len());
             if self.seen.is_some() {
@@ -144,7 +143,7 @@ impl Mapper {
             let (cells, to) = (&mut kept.cells, grows.then_some(&mut kept.places));
             let taken = match errors_there(scan, range.clone()) {
                 Some(errors) if in_order => {
-                    grid.insert_alone(&scan.points()[range], motion, errors, cells, to)
+                    grid.insert_alone(&scan.points()[range], motion.as_deref(), errors, cells, to)
                 }
                 _ => {
                     let (points, errors) = world.part(scan, range);
