@@ -2,7 +2,7 @@
 
 use super::locate::{BATCH, Located, NOWHERE};
 use super::split::Split;
-use super::{Chunk, Motion, Taken, records};
+use super::{Chunk, Motion, Taken, sums};
 use crate::ahead::Ahead;
 use crate::block::{BlockKey, RECENT};
 use crate::grid::Home;
@@ -85,14 +85,14 @@ impl VoxelGrid {
                         None => *found = self.founded_at(*key, home),
                     }
                 }
-                records::add_each(&mut self.parts, homes, &located.local, &errors);
+                sums::add_each(&mut self.parts, homes, &located.local, &errors);
             } else {
                 for at in 0..points.len() {
                     found[at] = None;
                     if located.keys[at] != NOWHERE {
                         found[at] = self.founded_at(located.keys[at], &mut homes[at]);
                         let (errors, local) = (errors.part(at..at + 1), &located.local[at..=at]);
-                        records::add_each(&mut self.parts, &homes[at..=at], local, &errors);
+                        sums::add_each(&mut self.parts, &homes[at..=at], local, &errors);
                     }
                 }
             }

@@ -44,6 +44,27 @@ impl PointErrors<'_> {
         }
     }
 
+    /// How many numbers there are for each point.
+    pub(super) fn width(&self) -> usize {
+        match self {
+            Self::None | Self::Same(_) => 0,
+            Self::Each(_) => 1,
+            Self::Axes(_) => 3,
+            Self::Covariances(_) => 6,
+        }
+    }
+
+    /// The same kind of errors, of these numbers.
+    pub(super) fn of_numbers<'n>(&self, numbers: &'n [f64]) -> PointErrors<'n> {
+        match self {
+            Self::None => PointErrors::None,
+            Self::Same(sigma) => PointErrors::Same(*sigma),
+            Self::Each(_) => PointErrors::Each(numbers),
+            Self::Axes(_) => PointErrors::Axes(numbers.as_chunks().0),
+            Self::Covariances(_) => PointErrors::Covariances(numbers.as_chunks().0),
+        }
+    }
+
     /// Asks for the memory of those of some of the points.
     pub(super) fn fetch(&self, range: Range<usize>, ahead: Ahead) {
         match self {

@@ -5,16 +5,16 @@ mod direct;
 mod errors;
 mod find;
 mod locate;
-mod records;
-mod runs;
+mod section;
 mod split;
+mod sums;
 
 use rayon::prelude::*;
 
 use self::add::Share;
 pub use self::errors::PointErrors;
 pub(crate) use self::locate::unit_of;
-use self::runs::{Found, SECTION, Section};
+use self::section::{SECTION, Section, Targets};
 use crate::block::PARTS;
 use crate::cell::CellId;
 use crate::grid::{Home, MOST_CELLS};
@@ -179,7 +179,7 @@ impl VoxelGrid {
     }
 
     /// In three steps, each parallel, with the same result on any number of threads: what is split among them does not
-    /// depend on their number, and each cell is of one part, which adds its runs in the order of the points.
+    /// depend on their number, and each cell is of one part, which adds its points in their order.
     fn insert_chunk(
         &mut self,
         chunk: &Chunk<'_>,
@@ -192,37 +192,37 @@ impl VoxelGrid {
         let of_sections = points.chunks(SECTION);
         sections.resize_with(of_sections.len(), Section::default);
         let mut places = places.map(|places| places.chunks_mut(SECTION));
-        let mut finding: Vec<_> = sections
+        let mut sorting: Vec<_> = sections
             .iter_mut()
             .zip(of_sections)
             .map(|(section, points)| (section, points, places.as_mut().and_then(Iterator::next)))
             .collect();
-        finding.par_iter_mut().enumerate().for_each_init(
-            Found::new,
-            |found, (at, (section, points, places))| {
+        sorting.par_iter_mut().enumerate().for_each_init(
+            Targets::default,
+            |targets, (at, (section, points, places))| {
                 let begin = at * SECTION;
                 let errors = errors.part(begin..begin + points.len());
-                section.find(points, &errors, lattice, places.as_deref_mut(), found);
+                section.sort(points, &errors, lattice, places.as_deref_mut(), targets);
             },
         );
 
         let mut shares: Vec<Share<'_>> = Vec::new();
         shares.resize_with(PARTS, Share::default);
         for section in sections.iter_mut() {
-            for (share, runs) in shares.iter_mut().zip(section.parts_mut()) {
-                share.runs.push(runs);
+            for (share, portion) in shares.iter_mut().zip(section.portions(errors)) {
+                share.portions.push(portion);
             }
         }
         let with_parts = shares.par_iter_mut().zip(&mut self.parts);
-        with_parts.for_each(|(share, part)| share.add(part, &errors));
+        with_parts.for_each(|(share, part)| share.add(part, lattice));
         let founded: Vec<Vec<u32>> = shares.into_iter().map(|share| share.founded).collect();
         self.number(&founded, points.len());
 
         let parts = &self.parts;
         sections.par_iter().zip(cells.par_chunks_mut(SECTION)).for_each(|(section, cells)| {
-            for (runs, part) in section.parts().zip(parts) {
-                for run in runs {
-                    cells[run.points()].fill(part.ids.get(run.slot as usize).copied());
+            for ((numbers, slots), part) in section.found().zip(parts) {
+                for (number, slot) in numbers.iter().zip(slots) {
+                    cells[usize::from(*number)] = part.ids.get(*slot as usize).copied();
                 }
             }
         });

@@ -49,13 +49,13 @@ impl pulp::WithSimd for Several<'_> {
 }
 
 /// The part that the block of each of up to [`BATCH`] voxels is of.
-pub(super) fn parts(keys: &[VoxelKey], to: &mut [u8; BATCH]) {
+pub(super) fn parts(keys: &[VoxelKey], to: &mut [u8]) {
     pulp::Arch::new().dispatch(Parts { keys, to });
 }
 
 struct Parts<'a> {
     keys: &'a [VoxelKey],
-    to: &'a mut [u8; BATCH],
+    to: &'a mut [u8],
 }
 
 impl pulp::WithSimd for Parts<'_> {
