@@ -39,6 +39,8 @@ impl VoxelGrid {
     ///
     /// Noise carries points of a surface to and fro over the faces of voxels: to look for those that follow each other in one costs
     /// more than to find the cell of each, which takes no branch that is hard to predict.
+    // On its own: among what other ways need the loops have too few registers left.
+    #[inline(never)]
     pub(super) fn insert_in_order(
         &mut self,
         chunk: &Chunk<'_>,
