@@ -2,6 +2,8 @@
 
 use std::cmp::Reverse;
 
+use rayon::prelude::*;
+
 use crate::Step;
 use crate::around::Arounds;
 use crate::cell::Noise;
@@ -30,7 +32,8 @@ pub(crate) fn grow_again(
         let before = regions.len();
         let flat = Surfaces::of(field, &regions);
         let is_slice = |region: &Region| growth.without != Some(Step::Slices) && flat.is_slice(field, region);
-        regions.retain(|region| is_sure(field, growth.noise, region, tilt) && !is_slice(region));
+        let holds = |region: &Region| is_sure(field, growth.noise, region, tilt) && !is_slice(region);
+        regions = regions.into_par_iter().filter(holds).collect();
         if regions.len() == before {
             break;
         }

@@ -137,18 +137,32 @@ impl Field {
     /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
     /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
     pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
-        let Some(level) = self.levels.first() else { return Vec::new() };
-        let of_cell = |cell: usize, [sum]: &[Sum; 1]| {
-            let sums =
-                sum.stats(self.anchored.anchor_of(number(cell))).with_anchor(self.anchors[cell].to_array());
-            ask(self.order[cell] as usize, &sums)
+        self.sums_around_several(|[cell], [sums]| [cell.map(|cell| ask(cell, sums))]).flatten().collect()
+    }
+
+    /// As [`sums_around`](Self::sums_around), of `N` cells side by side: 4 and 8 are good numbers for what is fitted to their sums. The last
+    /// may be fewer; what is told of none is left out.
+    pub fn sums_around_several<const N: usize, T: Copy + Send>(
+        &self,
+        ask: impl Fn([Option<usize>; N], &[Stats; N]) -> [T; N] + Sync + Send,
+    ) -> impl ExactSizeIterator<Item = T> {
+        let of_cells = |first: usize, sums: &[Sum; N]| {
+            let cell = |lane: usize| self.order.get(first + lane).map(|given| *given as usize);
+            let own = |lane: usize| {
+                let (cell, Some(anchor)) = (first + lane, self.anchors.get(first + lane)) else {
+                    return Stats::new([0.0; 3]);
+                };
+                sums[lane].stats(self.anchored.anchor_of(number(cell))).with_anchor(anchor.to_array())
+            };
+            ask(std::array::from_fn(cell), &std::array::from_fn(own))
         };
-        let found: Vec<T> = self.anchored.around_cells(level, &self.cells, of_cell).collect();
+        let around = |level| self.anchored.around_cells(level, &self.cells, of_cells).collect();
+        let found: Vec<[T; N]> = self.levels.first().map(around).unwrap_or_default();
         let mut ranks: Vec<u32> = vec![0; self.order.len()];
         for (rank, given) in (0..).zip(&self.order) {
             ranks[*given as usize] = rank;
         }
-        ranks.iter().map(|rank| found[*rank as usize]).collect()
+        ranks.into_iter().map(move |rank| found.as_flattened()[rank as usize])
     }
 
     /// Takes other errors of points: `noise` tells the sum of their covariances in a cell, by its place among those that were given.

@@ -119,12 +119,16 @@ impl Level {
         };
         let parts: Vec<(Vec<u32>, Vec<usize>)> =
             (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(apart).collect();
-        self.near.reserve(parts.iter().map(|(near, _)| near.len()).sum());
-        for (near, ends) in parts {
-            let before = self.near.len();
-            self.near.extend(near);
-            self.near_starts.extend(ends.into_iter().map(|end| before + end));
+        self.near = vec![0; parts.iter().map(|(near, _)| near.len()).sum()];
+        let (mut rest, mut before) = (self.near.as_mut_slice(), 0);
+        let mut copies = Vec::with_capacity(parts.len());
+        for (near, ends) in &parts {
+            self.near_starts.extend(ends.iter().map(|end| before + end));
+            let (own, after) = rest.split_at_mut(near.len());
+            copies.push((own, near));
+            (rest, before) = (after, before + near.len());
         }
+        copies.into_par_iter().for_each(|(own, near)| own.copy_from_slice(near));
     }
 
     /// Number of groups.

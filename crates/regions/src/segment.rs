@@ -352,7 +352,8 @@ fn grow_as_noise_allows(field: &Field, settings: &Settings) -> (Vec<Surface>, No
     }
     let tilt = if settings.takes(Step::Certain) { settings.tilt } else { f64::INFINITY };
     let first = grow(&mut arounds, growth(stated, SPREAD));
-    let sure: Vec<&Surface> = first.iter().filter(|region| is_sure(field, stated, region, tilt)).collect();
+    let sure: Vec<&Surface> =
+        first.par_iter().filter(|region| is_sure(field, stated, region, tilt)).collect();
     let scale = usual_chi_squared(sure).clamp(1.0, MOST_SCALE);
     let noise = Noise { scale, floor };
     // With errors as stated they would be the same again.

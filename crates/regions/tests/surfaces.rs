@@ -265,6 +265,21 @@ fn sums_around_are_those_of_brute_force() {
 }
 
 #[test]
+fn sums_around_several_are_those_around_each() {
+    let cells = box_corner(8, 200).cells(4.0 * EDGE).cells;
+    for count in [0, 1, 7, 8, 9, cells.len()] {
+        let field = Field::of(&cells[..count], 4.0 * EDGE).unwrap();
+        let each = field.sums_around(|place, sum| (place, *sum));
+        let eights = field.sums_around_several(|places: [Option<usize>; 8], sums| {
+            // What is of no cell is all behind the last.
+            assert!(places.is_sorted_by_key(Option::is_none));
+            std::array::from_fn(|at| places[at].map(|place| (place, sums[at])))
+        });
+        assert!(eights.eq(each.into_iter().map(Some)));
+    }
+}
+
+#[test]
 fn errors_that_are_told_later_are_those_of_the_cells() {
     let cells = box_corner(8, 200).cells(4.0 * EDGE).cells;
     let points = cells.iter().map(|cell| cell.stats.count()).sum();
