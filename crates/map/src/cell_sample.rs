@@ -5,7 +5,7 @@ use terrace_types::{Frame, Scan, Sigma};
 
 use crate::CellSizeChoice;
 use crate::cell_size::choose_by_share;
-use crate::close_up::CloseUp;
+use crate::close_up::{BATCH, CloseUp};
 
 /// So many points are kept at most.
 const MOST: usize = 1 << 20;
@@ -77,14 +77,21 @@ impl CellSizeSample {
             };
         }
         self.present += chunk.present();
-        for (at, point) in chunk.points().iter().enumerate() {
-            let number = scrambled(self.seen);
-            self.seen += 1;
+        for (batch, points) in chunk.points().chunks(BATCH).enumerate() {
+            // One of these may be the first that is not kept.
+            let one_by_one = self.close_up.is_none() && self.points.len() + points.len() > MOST;
             if let Some(close_up) = &mut self.close_up {
-                close_up.push(*point);
+                close_up.push_all(points);
             }
-            if number <= self.threshold {
-                self.keep(number, *point, chunk.sigma(), at);
+            for (at, point) in points.iter().enumerate() {
+                let number = scrambled(self.seen);
+                self.seen += 1;
+                if let Some(close_up) = self.close_up.as_mut().filter(|_| one_by_one) {
+                    close_up.push(*point);
+                }
+                if number <= self.threshold {
+                    self.keep(number, *point, chunk.sigma(), batch * BATCH + at);
+                }
             }
         }
     }
@@ -131,9 +138,14 @@ impl CellSizeSample {
 }
 
 /// Leaves those in the list that stay.
-fn retain<T>(list: &mut Vec<T>, stays: &[bool]) {
-    let mut stays = stays.iter();
-    list.retain(|_| stays.next().copied().unwrap_or(false));
+fn retain<T: Copy>(list: &mut Vec<T>, stays: &[bool]) {
+    // Which stay cannot be predicted: there is no branch.
+    let mut kept = 0;
+    for (at, stays) in stays.iter().enumerate().take(list.len()) {
+        list[kept] = list[at];
+        kept += usize::from(*stays);
+    }
+    list.truncate(kept);
 }
 
 /// A number that looks drawn at random, and is the same for the same number (the finaliser of SplitMix64).

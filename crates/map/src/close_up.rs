@@ -9,6 +9,12 @@ const VOXELS: usize = 1 << 7;
 const LEVELS: u32 = 60;
 /// Where voxels begin, in edges: not where floors and walls often are, which would be shared by the voxels on both sides.
 const OFF: [f64; 3] = [0.382, 0.236, 0.414];
+/// Points whose voxels are told at once.
+pub(crate) const BATCH: usize = 128;
+/// Numbers up to 2⁵¹ become integers when this is added, rounded to the nearest, with the integer in the lowest bits.
+const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
+/// What is farther than so many edges shares its voxel with all beyond.
+const FARTHEST: f64 = (1_u64 << 50) as f64;
 /// Bits that tell voxels apart when they are counted, many more than are counted.
 const MARKS: usize = 1 << 12;
 
@@ -41,6 +47,22 @@ impl CloseUp {
         let mut close_up = Self { draws: vec![all], points };
         close_up.shrink();
         close_up
+    }
+
+    /// Adds the next points.
+    pub(crate) fn push_all(&mut self, points: &[[f64; 3]]) {
+        let (mut keeps, mut hashes) = ([true; BATCH], [0; BATCH]);
+        for points in points.chunks(BATCH) {
+            keeps.fill(true);
+            for draw in &self.draws {
+                draw.hash_all(points, &mut hashes);
+                keeps.iter_mut().zip(&hashes).for_each(|(keeps, hash)| *keeps &= *hash <= draw.threshold);
+            }
+            for (point, _) in points.iter().zip(&keeps).filter(|(_, keeps)| **keeps) {
+                // Fewer voxels may be kept since.
+                self.push(*point);
+            }
+        }
     }
 
     pub(crate) fn push(&mut self, point: [f64; 3]) {
@@ -86,11 +108,12 @@ impl Draw {
     }
 
     /// A number that looks drawn at random, the same for all points of a voxel.
+    // Into what it is dispatched to. Without a call or a branch: several at a time.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     fn hash(&self, point: &[f64; 3]) -> u32 {
-        // Saturates for what is beyond the world, where many share a voxel.
-        #[allow(clippy::cast_possible_truncation)]
-        let key = |i: usize| ((point[i] * self.per_edge + OFF[i]).floor() as i64).cast_unsigned();
-        let [x, y, z] = [0, 1, 2].map(key);
+        let [x, y, z] = *point;
+        let (x, y, z) = (self.key(x, OFF[0]), self.key(y, OFF[1]), self.key(z, OFF[2]));
         let mix = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ y.wrapping_mul(0xbf58_476d_1ce4_e5b9)
             ^ z.wrapping_mul(0x94d0_49bb_1331_11eb)
@@ -99,14 +122,52 @@ impl Draw {
         (mix >> 32) as u32
     }
 
+    /// The voxel of a coordinate.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn key(&self, x: f64, off: f64) -> u64 {
+        let at = (x * self.per_edge + off).clamp(-FARTHEST, FARTHEST);
+        let nearest = (at + ROUNDING) - ROUNDING;
+        let floor = nearest - if nearest > at { 1.0 } else { 0.0 };
+        (floor + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits())
+    }
+
+    /// Those of up to [`BATCH`] points.
+    fn hash_all(&self, points: &[[f64; 3]], to: &mut [u32; BATCH]) {
+        // The same instructions, for more numbers at a time where the processor can.
+        pulp::Arch::new().dispatch(Hashes { draw: *self, points, to });
+    }
+
     /// How many voxels hold points, as far as [`MARKS`] tell them apart.
     fn voxels(&self, points: &[[f64; 3]]) -> usize {
         let mut seen = [false; MARKS];
-        for point in points {
+        let mut hashes = [0; BATCH];
+        for points in points.chunks(BATCH) {
+            self.hash_all(points, &mut hashes);
             // The lowest bits: thresholds are of the highest.
-            seen[self.hash(point) as usize % MARKS] = true;
+            hashes[..points.len()].iter().for_each(|hash| seen[*hash as usize % MARKS] = true);
         }
         seen.iter().filter(|seen| **seen).count()
+    }
+}
+
+struct Hashes<'a> {
+    draw: Draw,
+    points: &'a [[f64; 3]],
+    to: &'a mut [u32; BATCH],
+}
+
+impl pulp::WithSimd for Hashes<'_> {
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { draw, points, to } = self;
+        for (to, point) in to.iter_mut().zip(points) {
+            *to = draw.hash(point);
+        }
     }
 }
 
@@ -125,9 +186,12 @@ mod tests {
         let points = sheet(2048, 0.01);
         let (first, rest) = points.split_at(1 << 20);
         let mut close_up = CloseUp::of(first);
+        let mut one_by_one = close_up.clone();
+        close_up.push_all(rest);
         for point in rest {
-            close_up.push(*point);
+            one_by_one.push(*point);
         }
+        assert_eq!(close_up.points, one_by_one.points);
         assert!(close_up.points.len() <= MOST && close_up.points.len() > MOST / 8);
         let kept: Vec<_> =
             points.iter().filter(|point| close_up.draws.iter().all(|draw| draw.keeps(point))).collect();

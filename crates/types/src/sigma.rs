@@ -57,7 +57,7 @@ const ROUNDING: f64 = 1e-9;
 impl Sigma {
     /// Whether `value` can be a standard error: finite and not negative.
     pub fn is_valid(value: f64) -> bool {
-        value.is_finite() && value >= 0.0
+        is_error(value)
     }
 
     /// Whether these entries `xx, xy, xz, yy, yz, zz` can be a covariance: finite and, up to rounding, positive
@@ -92,6 +92,19 @@ impl Sigma {
         }
     }
 
+    /// Whether those of all points are valid, whether or not these are present.
+    fn are_all_valid(&self) -> bool {
+        // Counted without a branch, several at a time.
+        let all = |values: &[f64]| values.iter().map(|v| u64::from(!is_error(*v))).sum::<u64>() == 0;
+        match self {
+            Self::Unknown => true,
+            Self::Uniform(value) => is_error(*value),
+            Self::PerPoint(sigmas) => all(sigmas),
+            Self::PerAxis(sigmas) => all(sigmas.as_flattened()),
+            Self::Covariance(covariances) => covariances.iter().all(|c| Self::is_valid_covariance(*c)),
+        }
+    }
+
     /// Checks the errors against the points they belong to; those of absent points (NaN) may be anything.
     pub(crate) fn check(&self, points: &[[f64; 3]]) -> Result<(), SigmaError> {
         let count = match self {
@@ -104,6 +117,9 @@ impl Sigma {
         };
         if count != points.len() {
             return Err(SigmaError::CountMismatch { sigmas: count, points: points.len() });
+        }
+        if self.are_all_valid() {
+            return Ok(());
         }
         for (point, position) in points.iter().enumerate() {
             if !position.iter().all(|x| x.is_finite()) {
@@ -121,4 +137,11 @@ impl Sigma {
         }
         Ok(())
     }
+}
+
+/// Finite and not negative.
+#[inline]
+#[allow(clippy::manual_range_contains, clippy::needless_bitwise_bool, reason = "without a branch")]
+fn is_error(value: f64) -> bool {
+    (value >= 0.0) & (value < f64::INFINITY)
 }

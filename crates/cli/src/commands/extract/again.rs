@@ -19,7 +19,7 @@ pub struct Again<'a, 'm> {
 }
 
 impl Again<'_, '_> {
-    /// Hands out all points with their labels, chunk by chunk.
+    /// Hands out all points with their labels, chunk by chunk, and reads the next chunk meanwhile.
     ///
     /// # Errors
     /// [`CliError`] when a file cannot be read or no longer has as many points, and what `each` returns.
@@ -28,10 +28,10 @@ impl Again<'_, '_> {
         what: &'static str,
         progress: &mut Progress,
         timings: &mut Timings,
-        mut each: impl FnMut(&Scan, &[Option<PlaneId>]) -> Result<(), CliError>,
+        mut each: impl FnMut(&Scan, &[Option<PlaneId>]) -> Result<(), CliError> + Send,
     ) -> Result<(), CliError> {
         let Self { inputs, reading, labels } = self;
-        let mut points = progress.begin_points(what, bytes(inputs.sources()));
+        let mut told = progress.begin_points(what, bytes(inputs.sources()));
         let (mut view, mut read) = (0, 0);
         let mut of_chunk = Vec::new();
         let mut waiting = Instant::now();
@@ -40,19 +40,30 @@ impl Again<'_, '_> {
             let changed = || CliError::Changed { path: source.path.clone() };
             let (count, whole) = inputs.points_of(view);
             let (mut next, mut left) = (Some(first), count);
+            timings.load += waiting.elapsed().as_secs_f64();
             while let Some(chunk) = next {
-                timings.load += waiting.elapsed().as_secs_f64();
-                left = left.checked_sub(chunk.len()).ok_or_else(changed)?;
-                let labelling = Instant::now();
-                labels.label(view, &chunk, &mut of_chunk);
-                timings.label += labelling.elapsed().as_secs_f64();
-                each(&chunk, &of_chunk)?;
-                progress.advance_points(&mut points, chunk.len(), read + chunks.bytes_read());
-                chunks.recycle(chunk);
-                waiting = Instant::now();
+                let (begun, points) = (Instant::now(), chunk.len());
+                left = left.checked_sub(points).ok_or_else(changed)?;
+                let (labels, each, of_chunk) = (&mut *labels, &mut each, &mut of_chunk);
+                let mut work = |chunk: &Scan| {
+                    let labelling = Instant::now();
+                    labels.label(view, chunk, of_chunk);
+                    let labelled = labelling.elapsed();
+                    (labelled, each(chunk, of_chunk), labelling.elapsed())
+                };
                 // What is behind the points that were used could not be read before.
-                next = if left == 0 && !whole { None } else { chunks.next()? };
+                let ((labelled, outcome, worked), following) = if left == 0 && !whole {
+                    (work(&chunk), Ok(None))
+                } else {
+                    chunks.next_beside(chunk, work)
+                };
+                outcome?;
+                timings.label += labelled.as_secs_f64();
+                timings.load += begun.elapsed().saturating_sub(worked).as_secs_f64();
+                progress.advance_points(&mut told, points, read + chunks.bytes_read());
+                next = following?;
             }
+            waiting = Instant::now();
             if left > 0 {
                 return Err(changed());
             }

@@ -61,6 +61,23 @@ impl Chunks<'_> {
         chunk.map(|chunk| (self.reading.change)(self.source, chunk)).transpose()
     }
 
+    /// Works on a chunk and reads the next one meanwhile, if another thread has time for it; then gives the memory of the first back. What
+    /// is wrong with the next is told by the second that is returned, whatever became of the first.
+    pub fn next_beside<T: Send>(
+        &mut self,
+        chunk: Scan,
+        work: impl FnOnce(&Scan) -> T + Send,
+    ) -> (T, Result<Option<Scan>, ReadError>) {
+        if rayon::current_num_threads() == 1 {
+            let done = work(&chunk);
+            self.recycle(chunk);
+            return (done, self.next());
+        }
+        let (done, next) = rayon::join(|| work(&chunk), || self.next());
+        self.recycle(chunk);
+        (done, next)
+    }
+
     /// Gives the memory of a chunk back for one of the next.
     pub fn recycle(&mut self, chunk: Scan) {
         self.reader.recycle(chunk);

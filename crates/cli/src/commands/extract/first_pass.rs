@@ -86,18 +86,21 @@ impl<'a> FirstPass<'a, '_> {
             ));
         }
         let refused = |error: InsertError| format!("{}: {error}", source.path.display());
-        let (mut chunks, first) = if self.mapper.wants_cell_size() {
+        let (mut chunks, begun) = if self.mapper.wants_cell_size() {
             self.choose_cell_size(source, chunks, first)?
         } else {
             (chunks, first)
         };
         let mut used = Used { points: 0, inserted: None };
-        self.insert(&mut used, &first, |mapper, scan| mapper.insert_from(scan, source.pose_noise))
-            .map_err(refused)?;
-        let cut = self.follow(&mut used, &mut chunks, first).map_err(|cut| match cut {
-            Cut::Read(error) => error.to_string(),
-            Cut::Insert(error) => refused(error),
-        });
+        let pose_noise = source.pose_noise;
+        let first = |mapper: &mut Mapper, scan: &Scan| mapper.insert_from(scan, pose_noise);
+        let cut = match self.insert(&mut used, &mut chunks, begun, first).map_err(refused)? {
+            Ok(next) => self.follow(&mut used, &mut chunks, next).map_err(|cut| match cut {
+                Cut::Read(error) => error.to_string(),
+                Cut::Insert(error) => refused(error),
+            }),
+            Err(error) => Err(error.to_string()),
+        };
         self.inputs.not_measured += chunks.not_measured();
         if let Some(Inserted { out_of_range, first_refusal: Some(first), .. }) = used.inserted {
             let path = source.path.display();
@@ -111,41 +114,46 @@ impl<'a> FirstPass<'a, '_> {
     }
 
     /// Inserts what comes after the first chunk.
-    fn follow(&mut self, used: &mut Used, chunks: &mut Chunks, first: Scan) -> Result<(), Cut> {
-        let mut spent = first;
-        loop {
-            self.progress.advance_points(&mut self.points, spent.len(), self.read + chunks.bytes_read());
-            chunks.recycle(spent);
-            let reading = Instant::now();
-            let next = chunks.next();
-            self.timings.load += reading.elapsed().as_secs_f64();
-            let Some(chunk) = next.map_err(Cut::Read)? else { return Ok(()) };
-            self.insert(used, &chunk, Mapper::insert_more).map_err(Cut::Insert)?;
-            spent = chunk;
+    fn follow(&mut self, used: &mut Used, chunks: &mut Chunks, mut next: Option<Scan>) -> Result<(), Cut> {
+        while let Some(chunk) = next {
+            let read = self.insert(used, chunks, chunk, Mapper::insert_more).map_err(Cut::Insert)?;
+            next = read.map_err(Cut::Read)?;
         }
+        Ok(())
     }
 
+    /// Inserts a chunk, and reads the next one meanwhile.
     fn insert(
         &mut self,
         used: &mut Used,
-        chunk: &Scan,
-        insert: impl FnOnce(&mut Mapper, &Scan) -> Result<Inserted, InsertError>,
-    ) -> Result<(), InsertError> {
-        let inserting = Instant::now();
-        let inserted = insert(self.mapper, chunk)?;
-        let extent = extent(chunk);
+        chunks: &mut Chunks,
+        chunk: Scan,
+        insert: impl FnOnce(&mut Mapper, &Scan) -> Result<Inserted, InsertError> + Send,
+    ) -> Result<Result<Option<Scan>, ReadError>, InsertError> {
+        let (begun, points) = (Instant::now(), chunk.len());
+        let errors_known = !matches!(chunk.sigma(), Sigma::Unknown);
+        let mapper = &mut *self.mapper;
+        let work = |chunk: &Scan| {
+            let inserting = Instant::now();
+            let inserted = insert(mapper, chunk)?;
+            Ok::<_, InsertError>((inserted, extent(chunk), inserting.elapsed()))
+        };
+        let (done, next) = chunks.next_beside(chunk, work);
+        let (inserted, extent, took) = done?;
+        self.timings.grid += took.as_secs_f64();
+        self.timings.load += begun.elapsed().saturating_sub(took).as_secs_f64();
+        self.inputs.errors_known |= errors_known;
         self.inputs.extent.points += extent.points;
         self.inputs.extent.largest = self.inputs.extent.largest.max(extent.largest);
-        self.inputs.errors_known |= !matches!(chunk.sigma(), Sigma::Unknown);
-        self.timings.grid += inserting.elapsed().as_secs_f64();
-        used.points += chunk.len();
+        used.points += points;
         let before = used.inserted.map_or((0, None), |all| (all.out_of_range, all.first_refusal));
         used.inserted = Some(Inserted {
             out_of_range: before.0 + inserted.out_of_range,
             first_refusal: before.1.or(inserted.first_refusal),
             ..inserted
         });
-        Ok(())
+        self.progress.advance_points(&mut self.points, points, self.read + chunks.bytes_read());
+        Ok(next)
     }
 
     /// A scan of one chunk shows its cell size when it is inserted. One of more is read to its end for it, and begun again.
@@ -179,18 +187,23 @@ impl<'a> FirstPass<'a, '_> {
         let mut points = self.progress.begin_points("cell size", length(source));
         let mut sample = CellSizeSample::new(source.pose_noise);
         let mut present = 0;
-        let mut push = |chunk: &Scan, read: u64| {
-            sample.push(chunk);
-            present += chunk.present();
-            self.progress.advance_points(&mut points, chunk.len(), read);
-        };
-        for chunk in begun {
-            push(&chunk, chunks.bytes_read());
-            chunks.recycle(chunk);
-        }
-        while let Some(chunk) = chunks.next()? {
-            push(&chunk, chunks.bytes_read());
-            chunks.recycle(chunk);
+        let mut begun = begun.into_iter();
+        let mut next = begun.next();
+        while let Some(chunk) = next {
+            let points_of_chunk = chunk.len();
+            let mut work = |chunk: &Scan| {
+                sample.push(chunk);
+                present += chunk.present();
+            };
+            next = match begun.next() {
+                Some(second) => {
+                    work(&chunk);
+                    chunks.recycle(chunk);
+                    Some(second)
+                }
+                None => chunks.next_beside(chunk, work).1?,
+            };
+            self.progress.advance_points(&mut points, points_of_chunk, chunks.bytes_read());
         }
         Ok((present, sample))
     }
