@@ -7,7 +7,7 @@ use terrace_types::{Frame, Pose, Scan, ScanError, Sigma, SigmaError};
 
 use crate::content::{Content, Points};
 use crate::read::{ErrorSource, ReadError, ReadErrorKind, ReadOptions};
-use crate::{Source, by_model};
+use crate::{FieldChoice, Source, by_model};
 
 /// The axis along which a depth camera measures, in its own frame.
 const OPTICAL_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
@@ -47,6 +47,8 @@ pub struct ScanReader {
     /// Bytes of the file.
     length: u64,
     noise: Option<SensorNoise>,
+    /// Whether errors are left out.
+    bare: bool,
     /// Most points of a chunk.
     size: usize,
     promised: Option<u64>,
@@ -96,6 +98,7 @@ impl ScanReader {
                     ErrorSource::FromFile(_) => None,
                     ErrorSource::Model(noise) => Some(noise),
                 },
+                bare: false,
                 size: chunk_points.max(1),
                 promised,
                 given: 0,
@@ -104,6 +107,20 @@ impl ScanReader {
             })
         };
         opened().map_err(|kind| ReadError { path: source.path.clone(), kind: Box::new(kind) })
+    }
+
+    /// As [`open`](Self::open), for the points alone, as they are read again: their errors are [unknown](Sigma::Unknown). What the noise
+    /// model says cannot have been measured is absent all the same.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), but for what is wrong with errors in the file, which is not looked at.
+    pub fn open_bare(source: &Source, options: &ReadOptions, chunk_points: usize) -> Result<Self, ReadError> {
+        let errors = match options.errors {
+            ErrorSource::FromFile(_) => ErrorSource::FromFile(FieldChoice::Ignore),
+            ErrorSource::Model(noise) => ErrorSource::Model(noise),
+        };
+        let reader = Self::open(source, &ReadOptions { errors, ..options.clone() }, chunk_points)?;
+        Ok(Self { bare: true, ..reader })
     }
 
     /// The next points; `None` at the end, and after an error.
@@ -168,6 +185,10 @@ impl ScanReader {
         };
         let sigma = match self.noise {
             None => sigma,
+            Some(noise) if self.bare => {
+                self.not_measured += by_model::leave_out(noise, &mut points, self.frame, axis)?;
+                Sigma::Unknown
+            }
             Some(noise) => {
                 let (sigma, not_measured) = by_model::errors(noise, &mut points, self.frame, axis)?;
                 self.not_measured += not_measured;

@@ -301,6 +301,50 @@ fn noise_models_and_poses_hold_for_every_chunk() {
     assert!(Outcome::chunked(&homeless, &lidar, 2).agrees_with(&Outcome::whole(&homeless, &lidar)));
 }
 
+/// All points of a file read without errors, and how many the model left out.
+fn bare(source: &Source, options: &ReadOptions, size: usize) -> (Vec<[f64; 3]>, usize) {
+    let mut reader = ScanReader::open_bare(source, options, size).unwrap();
+    let mut points = Vec::new();
+    while let Some(scan) = reader.next_chunk().unwrap() {
+        assert_eq!(scan.sigma(), &Sigma::Unknown);
+        points.extend(scan.points());
+        reader.recycle(scan);
+    }
+    (points, reader.not_measured())
+}
+
+#[test]
+fn points_without_their_errors_are_those_with_them() {
+    let place = Place::new();
+    // The second point is at the sensor, the last behind it.
+    let text = "x y z sigma\n1 0 2 0.1\n0 0 0 0.2\nnan 0 1 0.1\n0 3 1 0.1\n0 0 -1 0.1\n";
+    let pose = Pose::from_quaternion([1.0, 2.0, 3.0], [0.0, 0.6, 0.0, 0.8]).unwrap();
+    let cloud = Source { pose: Some(pose), ..Source::new(place.file(Format::Text, text.as_bytes())) };
+    let path = place.0.path().join("scan.png");
+    std::fs::write(&path, depth_png(2, &[1400, 0, 65535, 2400])).unwrap();
+    let image = Source::new(&path);
+    let models =
+        ["lidar:range=0.02,angle=0.1deg", "kinect", "uniform:0.01", "axes:0.01,0.02,0.03"].map(model);
+    for options in models.into_iter().chain([ReadOptions::default()]) {
+        let options = ReadOptions { intrinsics: Some("585,585,0,0".parse().unwrap()), ..options };
+        for source in [&cloud, &image] {
+            let whole = read_counted(source, &options).unwrap();
+            for size in [1, 2, 9] {
+                let (points, not_measured) = bare(source, &options, size);
+                assert!(same(&points, whole.scan.points()), "{options:?}");
+                assert_eq!(not_measured, whole.not_measured, "{options:?}");
+            }
+        }
+    }
+    // What is wrong with errors was told when they were read.
+    let source = Source::new(place.file(Format::Text, b"x y z sigma\n0 0 0 -2\n"));
+    assert!(read_scan(&source, &ReadOptions::default()).is_err());
+    assert_eq!(bare(&source, &ReadOptions::default(), 2).0, [[0.0; 3]]);
+    let homeless = Source::new(&cloud.path);
+    let mut reader = ScanReader::open_bare(&homeless, &model("kinect"), 2).unwrap();
+    assert!(matches!(*reader.next_chunk().unwrap_err().kind, ReadErrorKind::NoSensorPosition { .. }));
+}
+
 #[test]
 fn a_depth_image_is_one_chunk() {
     let place = Place::new();

@@ -117,6 +117,20 @@ impl Scan {
         (0..self.points.len()).map(|index| self.world_point(index))
     }
 
+    /// Where the points are in the world, in file order, without their errors; `None` for absent ones.
+    pub fn world_positions(&self) -> impl ExactSizeIterator<Item = Option<[f64; 3]>> + '_ {
+        (0..self.points.len()).map(|index| self.world_position(index))
+    }
+
+    /// Where one point is in the world; `None` for an absent one and beyond the end.
+    pub fn world_position(&self, index: usize) -> Option<[f64; 3]> {
+        let point = self.points.get(index).copied().filter(|point| is_present(*point))?;
+        Some(match self.frame {
+            Frame::World { .. } => point,
+            Frame::Sensor { pose } => pose.transform(point),
+        })
+    }
+
     /// One point in world coordinates; `None` for an absent one and beyond the end.
     pub fn world_point(&self, index: usize) -> Option<WorldPoint> {
         let point = *self.points.get(index)?;

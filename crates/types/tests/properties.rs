@@ -188,6 +188,8 @@ proptest! {
             for frame in frames {
                 let scan = Scan::new(places.clone(), sigma.clone(), frame).unwrap();
                 prop_assert_eq!(scan.world_points().len(), points.len());
+                let positions = scan.world_points().map(|point| point.map(|point| point.position));
+                prop_assert!(scan.world_positions().eq(positions));
                 prop_assert_eq!(scan.present(), points.iter().filter(|(_, there, _)| *there).count());
                 prop_assert_eq!(scan.sensor_position(), match frame {
                     Frame::World { sensor } => sensor,

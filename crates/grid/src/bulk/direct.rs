@@ -1,6 +1,7 @@
 //! Points into their cells as they come.
 
-use super::locate::{BATCH, Located, NOWHERE};
+use super::locate::{BATCH, Located};
+use super::present::Present;
 use super::split::Split;
 use super::{Chunk, Motion, Taken, sums};
 use crate::ahead::Ahead;
@@ -52,6 +53,7 @@ impl VoxelGrid {
         let (mut located, mut split) = (Located::new(), Split::new());
         let mut homes = [Home::default(); BATCH];
         let mut found = [None; BATCH];
+        let mut present = Present::new();
         let (lattice, ahead) = (self.lattice, Ahead::new());
         let mut moved = [[0.0; 3]; BATCH];
         for (batch, points) in chunk.points.chunks(BATCH).enumerate() {
@@ -72,34 +74,29 @@ impl VoxelGrid {
             if let Some(places) = &mut places {
                 places.extend_from_slice(&located.places[..points.len()]);
             }
-            let (homes, found) = (&mut homes[..points.len()], &mut found[..points.len()]);
-            if all {
-                split.split(&located.keys[..points.len()]);
-                let keys = located.keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
-                for (at, ((((key, block), recent), place), (home, found))) in
-                    keys.zip(homes.iter_mut().zip(&mut *found)).enumerate()
-                {
-                    if let Some(next) = next.get(at) {
-                        ahead.fetch(next);
-                    }
-                    match self.met(*block, *recent as usize, *place as usize) {
-                        Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
-                        None => *found = self.founded_at(*key, home),
-                    }
+            let left = if all { points.len() } else { present.gather(&mut located, points.len(), &errors) };
+            let (homes, found) = (&mut homes[..left], &mut found[..left]);
+            split.split(&located.keys[..left]);
+            let keys = located.keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
+            for (at, ((((key, block), recent), place), (home, found))) in
+                keys.zip(homes.iter_mut().zip(&mut *found)).enumerate()
+            {
+                if let Some(next) = next.get(at) {
+                    ahead.fetch(next);
                 }
-                sums::add_each(&mut self.parts, homes, &located.local, &errors);
-            } else {
-                for at in 0..points.len() {
-                    found[at] = None;
-                    if located.keys[at] != NOWHERE {
-                        found[at] = self.founded_at(located.keys[at], &mut homes[at]);
-                        let (errors, local) = (errors.part(at..at + 1), &located.local[at..=at]);
-                        sums::add_each(&mut self.parts, &homes[at..=at], local, &errors);
-                    }
+                match self.met(*block, *recent as usize, *place as usize) {
+                    Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
+                    None => *found = self.founded_at(*key, home),
                 }
             }
-            taken.points += found.iter().flatten().count();
-            cells.extend_from_slice(found);
+            let of_left = if all { errors } else { present.errors(&errors) };
+            sums::add_each(&mut self.parts, homes, &located.local, &of_left);
+            taken.points += left;
+            if all {
+                cells.extend_from_slice(found);
+            } else {
+                cells.extend_from_slice(&present.spread(found)[..points.len()]);
+            }
         }
         taken
     }

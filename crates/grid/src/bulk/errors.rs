@@ -54,6 +54,17 @@ impl PointErrors<'_> {
         }
     }
 
+    /// Appends the numbers of a point.
+    #[inline]
+    pub(super) fn append(&self, at: usize, to: &mut Vec<f64>) {
+        match self {
+            Self::None | Self::Same(_) => {}
+            Self::Each(sigmas) => to.push(sigmas[at]),
+            Self::Axes(sigmas) => to.extend_from_slice(&sigmas[at]),
+            Self::Covariances(all) => to.extend_from_slice(&all[at]),
+        }
+    }
+
     /// The same kind of errors, of these numbers.
     pub(super) fn of_numbers<'n>(&self, numbers: &'n [f64]) -> PointErrors<'n> {
         match self {

@@ -1,8 +1,7 @@
 //! The cells that many points are in.
 
-use super::locate::{BATCH, Located, NOWHERE, Place};
+use super::locate::{BATCH, Located, NOWHERE, Place, is_outside};
 use crate::block::{BlockKey, RECENT, place_of};
-use crate::key::key_of;
 use crate::{CellId, VoxelGrid};
 
 /// A block, and where it is if it has a cell.
@@ -20,12 +19,9 @@ impl VoxelGrid {
         let mut last = (NOWHERE, None);
         for points in points.chunks(BATCH) {
             if !located.locate(points, self.lattice) {
-                for (point, (key, place)) in
-                    points.iter().zip(located.keys.iter_mut().zip(&mut located.places))
-                {
-                    if key_of(*point, self.lattice.size).is_err() {
-                        (*key, *place) = (NOWHERE, [0; 3]);
-                    }
+                let all = located.keys.iter_mut().zip(&mut located.places).take(points.len());
+                for (key, place) in all.filter(|(key, _)| is_outside(**key)) {
+                    (*key, *place) = (NOWHERE, [0; 3]);
                 }
             }
             places.extend_from_slice(&unpacked(&located.places, unit)[..points.len()]);

@@ -7,15 +7,17 @@ use crate::{GridError, MAX_INDEX, VoxelKey};
 /// Points whose voxels are found at once: their lists stay in the nearest cache.
 pub(super) const BATCH: usize = 128;
 
+/// The index of a coordinate that is out of range or not finite.
+const OUTSIDE: i32 = i32::MAX;
 /// The key of a point that is in no voxel.
-pub(super) const NOWHERE: VoxelKey = [i32::MAX; 3];
+pub(super) const NOWHERE: VoxelKey = [OUTSIDE; 3];
 
 /// Numbers up to 2⁵¹ become integers when this is added, rounded to the nearest, with the integer in the lowest bits.
 const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
 
 /// The voxels of up to [`BATCH`] points, and where the points are from their centres.
 pub(super) struct Located {
-    /// What is out of range has any key.
+    /// What is out of range has such a coordinate: see [`is_outside`].
     pub(super) keys: [VoxelKey; BATCH],
     /// In whole units.
     pub(super) places: [Place; BATCH],
@@ -56,11 +58,12 @@ impl Located {
         for (((x, key), place), local) in points.as_flattened().iter().zip(keys).zip(places).zip(local) {
             let quotient = x / size;
             let floor = floor(quotient);
-            inside &= floor.abs() <= f64::from(MAX_INDEX);
+            let is_inside = floor.abs() <= f64::from(MAX_INDEX);
+            inside &= is_inside;
             // The lowest bits are the integer.
             #[allow(clippy::cast_possible_truncation)]
             let index = (floor + ROUNDING).to_bits() as u32;
-            *key = index.cast_signed();
+            *key = if is_inside { index.cast_signed() } else { OUTSIDE };
             let anchor =
                 if HALVES { (self::floor(0.5 * floor) + 0.5) * (2.0 * size) } else { (floor + 0.5) * size };
             // Whole numbers, so that sums of places are exact, whatever their order.
@@ -73,7 +76,6 @@ impl Located {
     }
 
     /// Takes out the points that cannot be inserted.
-    #[cold]
     pub(super) fn refuse(
         &mut self,
         points: &[[f64; 3]],
@@ -82,9 +84,14 @@ impl Located {
         taken: &mut Taken,
     ) {
         for (at, point) in points.iter().enumerate() {
-            let refusal = match key_of(*point, lattice.size) {
-                Err(absent @ GridError::PointNotFinite { .. }) => Some(absent),
-                key => errors.refusal(at).or(key.err()),
+            // Of nearly all there is none, also where some are absent.
+            let refusal = if is_outside(self.keys[at]) {
+                match key_of(*point, lattice.size) {
+                    Err(absent @ GridError::PointNotFinite { .. }) => Some(absent),
+                    key => errors.refusal(at).or(key.err()),
+                }
+            } else {
+                errors.refusal(at)
             };
             if let Some(refusal) = refusal {
                 self.keys[at] = NOWHERE;
@@ -93,6 +100,12 @@ impl Located {
             }
         }
     }
+}
+
+/// Whether the key is that of a point out of range.
+#[inline]
+pub(super) fn is_outside(key: VoxelKey) -> bool {
+    key.contains(&OUTSIDE)
 }
 
 /// Where a point is from the anchor of its voxel, in whole units.

@@ -5,6 +5,7 @@ mod direct;
 mod errors;
 mod find;
 mod locate;
+mod present;
 mod section;
 mod split;
 mod sums;

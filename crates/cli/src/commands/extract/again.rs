@@ -79,8 +79,8 @@ pub fn labelled<'s>(
     scan: &'s Scan,
     labels: &'s [Option<PlaneId>],
 ) -> impl Iterator<Item = LabelledPoint> + 's {
-    let points = scan.world_points().zip(labels);
-    points.filter_map(|(p, plane)| Some(LabelledPoint { position: p?.position, plane: *plane }))
+    let points = scan.world_positions().zip(labels);
+    points.filter_map(|(position, plane)| Some(LabelledPoint { position: position?, plane: *plane }))
 }
 
 /// `labels.npy`, and `points.ply` where it is asked for, while they are written.

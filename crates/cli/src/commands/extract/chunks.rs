@@ -11,6 +11,8 @@ const CHUNK: usize = 1 << 20;
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
     pub options: &'a ReadOptions,
+    /// Whether points alone are read, without their errors.
+    pub bare: bool,
     /// What is made of each chunk that was read.
     pub change: &'a (dyn Fn(&Source, Scan) -> Result<Scan, ReadError> + Sync),
 }
@@ -18,12 +20,18 @@ pub struct Reading<'a> {
 impl<'a> Reading<'a> {
     /// As the options say.
     pub fn with(options: &'a ReadOptions) -> Self {
-        Self { options, change: &|_, scan| Ok(scan) }
+        Self { options, bare: false, change: &|_, scan| Ok(scan) }
+    }
+
+    /// The points alone, once more: their labels do not depend on their errors.
+    pub fn bare(self) -> Self {
+        Self { bare: true, change: &|_, scan| Ok(scan), ..self }
     }
 
     /// Opens a scan and reads its first chunk, which may be empty.
     pub fn begin(self, source: &'a Source) -> Result<(Chunks<'a>, Scan), ReadError> {
-        let reader = ScanReader::open(source, self.options, CHUNK)?;
+        let open = if self.bare { ScanReader::open_bare } else { ScanReader::open };
+        let reader = open(source, self.options, CHUNK)?;
         let mut chunks = Chunks { reading: self, source, reader };
         if let Some(first) = chunks.next()? {
             return Ok((chunks, first));

@@ -230,7 +230,7 @@ fn has_pose(source: &Source, scan: &Scan) -> bool {
 fn extent(scan: &Scan) -> PlyExtent {
     let of_part = |first: usize| {
         let part = (first..scan.len()).take(AT_ONCE);
-        PlyExtent::of(part.filter_map(|at| Some(scan.world_point(at)?.position)))
+        PlyExtent::of(part.filter_map(|at| scan.world_position(at)))
     };
     let parts = (0..scan.len().div_ceil(AT_ONCE)).into_par_iter().map(|part| of_part(part * AT_ONCE));
     parts.reduce(PlyExtent::default, |a, b| PlyExtent {

@@ -78,7 +78,7 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     let extract = |begins: &mut dyn FnMut(_)| mapper.into_streamed(begins);
     let (mut map, mut labels) = extract_timed(extract, &mut progress, &mut timings)?;
 
-    let mut again = Again { inputs: &inputs, reading, labels: &mut labels };
+    let mut again = Again { inputs: &inputs, reading: reading.bare(), labels: &mut labels };
     let (points, bounds) = label(args, &mut again, &mut progress, &mut timings)?;
     again.labels.finish(&mut map);
     let extents = outline(args, &map, &mut again, &mut progress, &mut timings)?;

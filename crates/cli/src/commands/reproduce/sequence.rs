@@ -34,7 +34,7 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     let sources = find_sources(&[data], None)?;
     let mut progress = Progress::new(args.quiet);
     let runs = run_all(params, |mapper: &mut Mapper| {
-        let reading = Reading { options: &options, change: &with_axial_errors };
+        let reading = Reading { change: &with_axial_errors, ..Reading::with(&options) };
         insert_all(mapper, &sources, reading, &mut progress, &mut Timings::default()).map(|_| ())
     })?;
     progress.finish();
