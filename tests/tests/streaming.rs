@@ -7,8 +7,11 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use terrace_tests::{labels, planes, planes_without_times, terrace};
 
-/// Two chunks, the second one not full.
-const POINTS: usize = (1 << 20) + (1 << 19);
+/// Points that are read at once.
+const CHUNK: usize = 1 << 17;
+/// More than are held of a first file, and not whole chunks of them.
+const POINTS: usize = (1 << 20) + (1 << 19) + LEFT;
+const LEFT: usize = 1000;
 
 struct Room {
     folder: TempDir,
@@ -16,9 +19,13 @@ struct Room {
 
 impl Room {
     fn new() -> Self {
+        Self::of(POINTS)
+    }
+
+    fn of(points: usize) -> Self {
         let room = Self { folder: tempfile::tempdir().unwrap() };
         let out = room.path("room");
-        let points = POINTS.to_string();
+        let points = points.to_string();
         let _ =
             terrace(["synth", "room", "--points", &points, "--seed", "3", "--out", text(&out)]).ended_with(0);
         room
@@ -75,7 +82,7 @@ fn all_points_have_the_label_of_their_plane() {
         assert_eq!(found.iter().filter(|found| **found == label).count() as u64, plane.points);
     }
     assert_eq!(file.parameters["inputs_in_part"], serde_json::json!([]));
-    // Nine in ten points of large planes are found, in both chunks.
+    // Nine in ten points of large planes are found, in the first chunks and in the last.
     let truth = labels(&room.path("room"));
     for half in [0..1 << 20, 1 << 20..POINTS] {
         for plane in [1, 3] {
@@ -86,15 +93,37 @@ fn all_points_have_the_label_of_their_plane() {
 }
 
 #[test]
+fn a_first_file_of_some_chunks_has_the_cell_size_of_the_whole() {
+    for points in [CHUNK, CHUNK + 1, 3 * CHUNK + 17] {
+        let room = Room::of(points);
+        let out = room.path("out");
+        let _ = terrace(["extract", text(&room.cloud()), "--out", text(&out)]).ended_with(0);
+        let source = terrace_io::Source::new(room.cloud());
+        let scan = terrace_io::read_scan(&source, &terrace_io::ReadOptions::default()).unwrap();
+        let mut mapper = terrace::Mapper::new(terrace::Params::default()).unwrap();
+        mapper.insert(&scan).unwrap();
+        let map = mapper.extract().unwrap();
+        let (file, used) = (planes(&out), map.used.chosen.unwrap());
+        assert_eq!(labels(&out).len(), points);
+        assert_eq!(file.parameters["cell_size"], map.used.cell_size);
+        assert_eq!(file.parameters["cell_size_from"]["spacing"], used.spacing);
+        assert_eq!(file.parameters["cell_size_from"]["sigma"], used.sigma);
+        assert_eq!(file.planes.len(), map.planes.len());
+    }
+}
+
+#[test]
 fn of_a_file_that_is_damaged_the_chunks_before_are_used() {
     let room = Room::new();
     let (damaged, out) = (room.damaged(), room.path("out"));
     let run = terrace(["extract", text(&damaged), "--cell", "0.1", "--out", text(&out)]).ended_with(0);
-    assert!(run.stderr.contains("damaged.ply") && run.stderr.contains("1048576"), "{}", run.stderr);
-    assert_eq!(labels(&out).len(), 1 << 20);
+    let used = POINTS - LEFT;
+    assert!(used.is_multiple_of(CHUNK));
+    assert!(run.stderr.contains("damaged.ply") && run.stderr.contains(&used.to_string()), "{}", run.stderr);
+    assert_eq!(labels(&out).len(), used);
     let file = planes(&out);
     let part = &file.parameters["inputs_in_part"][0];
-    assert_eq!((&part["input"], &part["points"]), (&text(&damaged).into(), &(1 << 20).into()));
+    assert_eq!((&part["input"], &part["points"]), (&text(&damaged).into(), &used.into()));
     assert!(part["reason"].as_str().unwrap().contains("damaged.ply"));
     assert_eq!(
         (&file.parameters["inputs"], &file.parameters["inputs_skipped"]),

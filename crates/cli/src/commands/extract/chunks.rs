@@ -1,11 +1,13 @@
 //! Scans that are read in chunks, so that files may be larger than memory.
 
+use std::collections::VecDeque;
+
 use rayon::prelude::*;
 use terrace::{Scan, Sigma};
 use terrace_io::{ReadError, ReadErrorKind, ReadOptions, ScanReader, Source};
 
-/// Most points that are held of a scan.
-const CHUNK: usize = 1 << 20;
+/// Points that are read at once.
+const CHUNK: usize = 1 << 17;
 
 /// How scans are read.
 #[derive(Clone, Copy)]
@@ -32,7 +34,7 @@ impl<'a> Reading<'a> {
     pub fn begin(self, source: &'a Source) -> Result<(Chunks<'a>, Scan), ReadError> {
         let open = if self.bare { ScanReader::open_bare } else { ScanReader::open };
         let reader = open(source, self.options, CHUNK)?;
-        let mut chunks = Chunks { reading: self, source, reader };
+        let mut chunks = Chunks { reading: self, source, reader, held: VecDeque::new() };
         if let Some(first) = chunks.next()? {
             return Ok((chunks, first));
         }
@@ -60,13 +62,23 @@ pub struct Chunks<'a> {
     reading: Reading<'a>,
     source: &'a Source,
     reader: ScanReader,
+    /// What was read already and is given again first.
+    held: VecDeque<Scan>,
 }
 
 impl Chunks<'_> {
     /// The next chunk; `None` at the end.
     pub fn next(&mut self) -> Result<Option<Scan>, ReadError> {
+        if let Some(held) = self.held.pop_front() {
+            return Ok(Some(held));
+        }
         let chunk = self.reader.next_chunk()?;
         chunk.map(|chunk| (self.reading.change)(self.source, chunk)).transpose()
+    }
+
+    /// Gives chunks back, all that were read after the first, to come once more.
+    pub fn hold(&mut self, chunks: impl IntoIterator<Item = Scan>) {
+        self.held.extend(chunks);
     }
 
     /// Works on a chunk and reads the next one meanwhile, if another thread has time for it; then gives the memory of the first back. What

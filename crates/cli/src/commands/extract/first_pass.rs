@@ -14,6 +14,8 @@ use crate::progress::{Points, Progress};
 
 /// What the stage is called.
 const READING: &str = "reading";
+/// So many points of the first scan are held until they have shown their cell size: as many as are all looked at for it.
+const MOST_HELD: usize = 1 << 20;
 /// Points that a thread measures at once.
 const AT_ONCE: usize = 1 << 14;
 
@@ -156,7 +158,8 @@ impl<'a> FirstPass<'a, '_> {
         Ok(next)
     }
 
-    /// A scan of one chunk shows its cell size when it is inserted. One of more is read to its end for it, and begun again.
+    /// A scan of one chunk shows its cell size when it is inserted. One of some is held until it has shown its own; one of more is read to its
+    /// end for it, and begun again.
     fn choose_cell_size(
         &mut self,
         source: &'a Source,
@@ -165,16 +168,36 @@ impl<'a> FirstPass<'a, '_> {
     ) -> Result<(Chunks<'a>, Scan), String> {
         let reading = Instant::now();
         let told = |error: ReadError| error.to_string();
-        let Some(second) = chunks.next().map_err(told)? else { return Ok((chunks, first)) };
-        let sampled = self.sample(source, chunks, [first, second]);
-        self.points = self.progress.begin_points(READING, self.bytes);
-        let (present, sample) = sampled.map_err(told)?;
+        let (mut points, mut later) = (first.len(), Vec::new());
+        while points <= MOST_HELD {
+            let Some(chunk) = chunks.next().map_err(told)? else { break };
+            points += chunk.len();
+            later.push(chunk);
+        }
+        if later.is_empty() {
+            return Ok((chunks, first));
+        }
+        let (present, sample, held) = if points <= MOST_HELD {
+            let mut sample = CellSizeSample::new(source.pose_noise);
+            sample.push(&first);
+            for chunk in &later {
+                sample.push(chunk);
+            }
+            let present = first.present() + later.iter().map(Scan::present).sum::<usize>();
+            chunks.hold(later);
+            (present, sample, Some((chunks, first)))
+        } else {
+            let sampled = self.sample(source, chunks, std::iter::once(first).chain(later));
+            self.points = self.progress.begin_points(READING, self.bytes);
+            let (present, sample) = sampled.map_err(told)?;
+            (present, sample, None)
+        };
         let chosen = sample.choose().ok_or(InsertError::NoCellSize { present });
         let begun = chosen.and_then(|choice| self.mapper.begin_with(choice));
         begun.map_err(|error| format!("{}: {error}", source.path.display()))?;
-        let again = self.reading.begin(source).map_err(told);
+        let begun = held.map_or_else(|| self.reading.begin(source).map_err(told), Ok);
         self.timings.load += reading.elapsed().as_secs_f64();
-        again
+        begun
     }
 
     /// Points of all of a scan that is begun, and how many are present.
@@ -182,12 +205,11 @@ impl<'a> FirstPass<'a, '_> {
         &mut self,
         source: &Source,
         mut chunks: Chunks<'a>,
-        begun: [Scan; 2],
+        mut begun: impl Iterator<Item = Scan>,
     ) -> Result<(usize, CellSizeSample), ReadError> {
         let mut points = self.progress.begin_points("cell size", length(source));
         let mut sample = CellSizeSample::new(source.pose_noise);
         let mut present = 0;
-        let mut begun = begun.into_iter();
         let mut next = begun.next();
         while let Some(chunk) = next {
             let points_of_chunk = chunk.len();
