@@ -146,6 +146,7 @@ impl Field {
         &self,
         ask: impl Fn([Option<usize>; N], &[Stats; N]) -> [T; N] + Sync + Send,
     ) -> impl ExactSizeIterator<Item = T> {
+        const { assert!(N > 0, "cells are asked for some at a time") };
         let of_cells = |first: usize, sums: &[Sum; N]| {
             let cell = |lane: usize| self.order.get(first + lane).map(|given| *given as usize);
             let own = |lane: usize| {
