@@ -10,7 +10,8 @@ pub(crate) struct Curve {
     pub(crate) along: Vec<[u32; 3]>,
     /// The place of each among the given ones.
     pub(crate) order: Vec<u32>,
-    corner: [i32; 3],
+    /// That corner.
+    pub(crate) corner: [i32; 3],
 }
 
 impl Curve {
@@ -20,9 +21,8 @@ impl Curve {
         let least = |axis: usize| keys.iter().map(|key| key[axis]).min().unwrap_or(0);
         // Cubes are those of the lattice, wherever the cells are.
         let corner = [0, 1, 2].map(|axis| least(axis) & !((1 << CUBE) - 1));
-        let from = |key: [i32; 3]| [0, 1, 2].map(|i| key[i].wrapping_sub(corner[i]).cast_unsigned());
         // A list that is made of another, number by number, stays where that is: here, and where keys are told again.
-        let keys: Vec<[u32; 3]> = keys.into_iter().map(from).collect();
+        let keys: Vec<[u32; 3]> = keys.into_iter().map(|key| along_curve(key, corner)).collect();
         let order = in_order(&keys);
         Self { along: order.iter().map(|at| keys[*at as usize]).collect(), order, corner }
     }
@@ -32,6 +32,11 @@ impl Curve {
         let key = |key: [u32; 3]| [0, 1, 2].map(|i| key[i].cast_signed().wrapping_add(self.corner[i]));
         (self.order, self.along.into_iter().map(key).collect())
     }
+}
+
+/// A key from the corner of a curve.
+pub(crate) fn along_curve(key: [i32; 3], corner: [i32; 3]) -> [u32; 3] {
+    [0, 1, 2].map(|i| key[i].wrapping_sub(corner[i]).cast_unsigned())
 }
 
 /// Places of keys, in the order of the curve.

@@ -10,7 +10,7 @@ use terrace_stats::{Stats, SymmetricMatrix3};
 use crate::anchored::Anchored;
 use crate::around::{Bounded, told};
 use crate::cell::{Noise, Sums};
-use crate::curve::Curve;
+use crate::curve::{Curve, along_curve};
 use crate::flat::Fitted;
 use crate::level::{Level, number};
 use crate::shared::SharedNoise;
@@ -55,8 +55,11 @@ pub struct Field {
     /// What places of points of each cell are relative to.
     pub(crate) anchors: Vec<DVec3>,
     pub(crate) keys: Vec<[i32; 3]>,
+    /// What the curve goes out from.
+    corner: [i32; 3],
     /// Whether each is as large as a group of the next level, and alone in it; empty where none is.
     wide: Vec<bool>,
+    /// The resolutions, the finest first, once they are [laid out](Self::lay_out).
     pub(crate) levels: Vec<Level>,
     pub(crate) anchored: Anchored,
     /// What points of each cell have in common, a part of their errors; empty where they have nothing.
@@ -113,8 +116,9 @@ impl Field {
             });
             (sums, DVec3::from(stats.anchor()))
         };
-        let of_cells = || (0..cells).into_par_iter().with_min_len(AT_ONCE).map(of_cell).unzip();
-        let (levels, (sums, anchors)) = rayon::join(|| Level::all(&curve.along, &wide, LEVELS), of_cells);
+        let of_cells = (0..cells).into_par_iter().with_min_len(AT_ONCE).map(of_cell);
+        let (sums, anchors) = of_cells.unzip();
+        let corner = curve.corner;
         let (order, keys) = curve.into_order_and_keys();
         if strange.into_inner() {
             let strange = (0..cells).find(|at| Sums::of(&stats(*at)).is_none());
@@ -131,22 +135,46 @@ impl Field {
             return Err(RegionsError::SameKey { cells, places: cells - twice });
         }
         let (shared, bounded, turned) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { order, cells: sums, anchors, keys, wide, levels, anchored, shared, bounded, turned, edge })
+        let levels = Vec::new();
+        Ok(Self {
+            order,
+            cells: sums,
+            anchors,
+            keys,
+            corner,
+            wide,
+            levels,
+            anchored,
+            shared,
+            bounded,
+            turned,
+            edge,
+        })
+    }
+
+    /// Finds which cells touch, at all resolutions, where that is not known yet. Not before it is asked for: the memory of what the cells were
+    /// made of may be free by then.
+    fn lay_out(&mut self) {
+        if self.levels.is_empty() {
+            let along: Vec<[u32; 3]> = self.keys.iter().map(|key| along_curve(*key, self.corner)).collect();
+            self.levels = Level::all(&along, &self.wide, LEVELS);
+        }
     }
 
     /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
     /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
-    pub fn sums_around<T: Copy + Send>(&self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
+    pub fn sums_around<T: Copy + Send>(&mut self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
         self.sums_around_several(|[cell], [sums]| [cell.map(|cell| ask(cell, sums))]).flatten().collect()
     }
 
     /// As [`sums_around`](Self::sums_around), of `N` cells side by side: 4 and 8 are good numbers for what is fitted to their sums. The last
     /// may be fewer; what is told of none is left out.
     pub fn sums_around_several<const N: usize, T: Copy + Send>(
-        &self,
+        &mut self,
         ask: impl Fn([Option<usize>; N], &[Stats; N]) -> [T; N] + Sync + Send,
     ) -> impl ExactSizeIterator<Item = T> {
         const { assert!(N > 0, "cells are asked for some at a time") };
+        self.lay_out();
         let of_cells = |first: usize, sums: &[Sum; N]| {
             let cell = |lane: usize| self.order.get(first + lane).map(|given| *given as usize);
             let own = |lane: usize| {
@@ -212,6 +240,7 @@ impl Field {
 
     /// Finds what only growth asks for.
     pub(crate) fn begin_growth(&mut self) {
+        self.lay_out();
         let Some((cells, coarser)) = self.levels.split_first() else { return };
         let (edge, anchored) = (self.edge, &self.anchored);
         let told = |_, sums: &[Sum; LANES]| told(sums, edge);

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::places::Places;
 
-/// Groups whose neighbours are looked up in one go.
+/// Groups whose neighbours are found together, and kept in a list of their own: none is copied when more come, and each fits where little memory
+/// is free.
 const AT_ONCE: usize = 256;
 /// Groups that touch one, of nearly all scenes no more in the mean: surfaces are some cells thick where points have errors.
 const USUALLY_NEAR: usize = 16;
@@ -19,9 +20,30 @@ pub(crate) struct Level {
     starts: Vec<u32>,
     /// The group of each cell.
     of: Vec<u32>,
-    /// And touches `near[near_starts[i]..near_starts[i + 1]]`.
-    near_starts: Vec<usize>,
-    near: Vec<u32>,
+    /// What each touches, [some](AT_ONCE) to a list.
+    near: Vec<Near>,
+}
+
+/// The groups that each of some touches.
+#[derive(Debug, Clone, PartialEq)]
+struct Near {
+    /// The `i`th touches `groups[starts[i]..starts[i + 1]]`.
+    starts: Vec<u32>,
+    groups: Vec<u32>,
+}
+
+impl Near {
+    /// Of none, with room for so many.
+    fn with_capacity(count: usize) -> Self {
+        let mut starts = Vec::with_capacity(count + 1);
+        starts.push(0);
+        Self { starts, groups: Vec::with_capacity(USUALLY_NEAR * count) }
+    }
+
+    /// Ends what the next one touches.
+    fn end(&mut self) {
+        self.starts.push(number(self.groups.len()));
+    }
 }
 
 impl Level {
@@ -57,21 +79,26 @@ impl Level {
         for (group, ends) in (0..).zip(starts.windows(2)) {
             of.resize(of.len() + (ends[1] - ends[0]) as usize, group);
         }
-        Self { starts, of, near_starts: vec![0], near: Vec::new() }
+        Self { starts, of, near: Vec::new() }
     }
 
     /// Finds the groups that touch, in a table of all.
     fn look_up(&mut self, keys: &[[u32; 3]]) {
         let index: HashMap<[u32; 3], u32, FixedState> = keys.iter().copied().zip(0..).collect();
-        for [x, y, z] in keys {
-            for [dx, dy, dz] in steps() {
-                // Keys at the end of the range have no neighbour beyond it.
-                let beside = (x.checked_add_signed(dx), y.checked_add_signed(dy), z.checked_add_signed(dz));
-                if let (Some(x), Some(y), Some(z)) = beside {
-                    self.near.extend(index.get(&[x, y, z]));
+        for keys in keys.chunks(AT_ONCE) {
+            let mut near = Near::with_capacity(keys.len());
+            for [x, y, z] in keys {
+                for [dx, dy, dz] in steps() {
+                    // Keys at the end of the range have no neighbour beyond it.
+                    let beside =
+                        (x.checked_add_signed(dx), y.checked_add_signed(dy), z.checked_add_signed(dz));
+                    if let (Some(x), Some(y), Some(z)) = beside {
+                        near.groups.extend(index.get(&[x, y, z]));
+                    }
                 }
+                near.end();
             }
-            self.near_starts.push(self.near.len());
+            self.near.push(near);
         }
     }
 
@@ -85,9 +112,14 @@ impl Level {
     ) {
         let child = |parent: usize| children[parent]..children[parent + 1];
         let is_wide = |group: u32| wide.get(group as usize) == Some(&true);
-        // Appends to what touches and where that ends.
-        let of_some = |first: usize, near: &mut Vec<u32>, ends: &mut Vec<usize>| {
-            for parent in first..(first + AT_ONCE).min(parents.len()) {
+        let of_some = |first: usize| {
+            let groups = first..(first + AT_ONCE).min(keys.len());
+            let mut near = Near::with_capacity(groups.len());
+            // That of the first, and those after it.
+            let before = children.partition_point(|child| *child as usize <= first) - 1;
+            for parent in
+                (before..parents.len()).take_while(|parent| (child(*parent).start as usize) < groups.end)
+            {
                 let mut places = Places::around(keys_of_parents[parent]);
                 for other in std::iter::once(number(parent)).chain(parents.near(parent).iter().copied()) {
                     for group in child(other as usize) {
@@ -98,37 +130,14 @@ impl Level {
                         }
                     }
                 }
-                for group in child(parent) {
-                    places.touching(group, keys[group as usize], is_wide, near);
-                    ends.push(near.len());
+                for group in child(parent).filter(|group| groups.contains(&(*group as usize))) {
+                    places.touching(group, keys[group as usize], is_wide, &mut near.groups);
+                    near.end();
                 }
             }
+            near
         };
-        self.near_starts.reserve(keys.len());
-        if rayon::current_num_threads() == 1 {
-            // Where nothing is done meanwhile, without a copy of it all; memory that is not used is none.
-            self.near.reserve(USUALLY_NEAR * keys.len());
-            let all = (0..parents.len()).step_by(AT_ONCE);
-            all.for_each(|first| of_some(first, &mut self.near, &mut self.near_starts));
-            return;
-        }
-        let apart = |first: usize| {
-            let (mut near, mut ends) = (Vec::new(), Vec::new());
-            of_some(first, &mut near, &mut ends);
-            (near, ends)
-        };
-        let parts: Vec<(Vec<u32>, Vec<usize>)> =
-            (0..parents.len()).into_par_iter().step_by(AT_ONCE).map(apart).collect();
-        self.near = vec![0; parts.iter().map(|(near, _)| near.len()).sum()];
-        let (mut rest, mut before) = (self.near.as_mut_slice(), 0);
-        let mut copies = Vec::with_capacity(parts.len());
-        for (near, ends) in &parts {
-            self.near_starts.extend(ends.iter().map(|end| before + end));
-            let (own, after) = rest.split_at_mut(near.len());
-            copies.push((own, near));
-            (rest, before) = (after, before + near.len());
-        }
-        copies.into_par_iter().for_each(|(own, near)| own.copy_from_slice(near));
+        self.near = (0..keys.len()).into_par_iter().step_by(AT_ONCE).map(of_some).collect();
     }
 
     /// Number of groups.
@@ -148,7 +157,8 @@ impl Level {
 
     /// The groups that share a face, an edge or a corner with a group.
     pub(crate) fn near(&self, group: usize) -> &[u32] {
-        &self.near[self.near_starts[group]..self.near_starts[group + 1]]
+        let (near, at) = (&self.near[group / AT_ONCE], group % AT_ONCE);
+        &near.groups[near.starts[at] as usize..near.starts[at + 1] as usize]
     }
 }
 
@@ -188,7 +198,7 @@ mod tests {
         (all(&curve.along, &[]), curve.order)
     }
 
-    /// The same on one thread, where nothing is made apart, as on two.
+    /// The same on one thread as on two.
     fn all(keys: &[[u32; 3]], wide: &[bool]) -> Vec<Level> {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -196,7 +206,7 @@ mod tests {
         };
         let [one, two] = [1, 2].map(on);
         for (one, two) in one.iter().zip(&two) {
-            assert_eq!((&one.near, &one.near_starts), (&two.near, &two.near_starts));
+            assert_eq!(one.near, two.near);
         }
         one
     }

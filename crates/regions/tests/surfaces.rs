@@ -268,7 +268,7 @@ fn sums_around_are_those_of_brute_force() {
 fn sums_around_several_are_those_around_each() {
     let cells = box_corner(8, 200).cells(4.0 * EDGE).cells;
     for count in [0, 1, 7, 8, 9, cells.len()] {
-        let field = Field::of(&cells[..count], 4.0 * EDGE).unwrap();
+        let mut field = Field::of(&cells[..count], 4.0 * EDGE).unwrap();
         let each = field.sums_around(|place, sum| (place, *sum));
         let eights = field.sums_around_several(|places: [Option<usize>; 8], sums| {
             // What is of no cell is all behind the last.
@@ -287,7 +287,7 @@ fn errors_that_are_told_later_are_those_of_the_cells() {
         .iter()
         .map(|cell| Cell { stats: cell.stats.with_noise(SymmetricMatrix3::ZERO), ..*cell })
         .collect();
-    let known = Field::of(&cells, 4.0 * EDGE).unwrap();
+    let mut known = Field::of(&cells, 4.0 * EDGE).unwrap();
     let mut told = Field::of(&bare, 4.0 * EDGE).unwrap();
     told.set_noise(|cell| cells[cell].stats.moments().noise()).unwrap();
     assert_eq!(told.sums_around(|_, sums| *sums), known.sums_around(|_, sums| *sums));

@@ -19,7 +19,7 @@ impl Errors<'_> {
     /// Finds the level of noise from how the points around each cell scatter about a plane of their own, in the median; by direction
     /// where distances from the sensor are not known.
     /// `of` is the cell of the grid that each is a part of.
-    pub(crate) fn find_level(&mut self, field: &Field, of: &[CellId]) {
+    pub(crate) fn find_level(&mut self, field: &mut Field, of: &[CellId]) {
         let residual = |cell: usize, around: &Stats, fit: &PlaneFit| {
             let seen = self.seen(of.get(cell)?.index());
             let [_, across, along] = fit.variances;
