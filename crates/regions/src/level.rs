@@ -135,6 +135,8 @@ impl Level {
                     near.end();
                 }
             }
+            // What is not used is free for others.
+            near.groups.shrink_to_fit();
             near
         };
         self.near = (0..keys.len()).into_par_iter().step_by(AT_ONCE).map(of_some).collect();

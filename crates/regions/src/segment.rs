@@ -174,8 +174,12 @@ impl Grown {
     ) -> Result<(Self, R), RegionsError> {
         settings.validate()?;
         field.begin_growth();
-        let ((regions, noise), done) = rayon::join(|| grow_as_noise_allows(&field, settings), other);
-        field.end_growth();
+        let grow = || {
+            let grown = grow_as_noise_allows(&field, settings);
+            field.end_growth();
+            grown
+        };
+        let ((regions, noise), done) = rayon::join(grow, other);
         Ok((Self { field, regions, noise, settings: *settings }, done))
     }
 
