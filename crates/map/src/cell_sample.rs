@@ -76,24 +76,42 @@ impl CellSizeSample {
                 same => same.clone(),
             };
         }
-        self.present += chunk.present();
         for (batch, points) in chunk.points().chunks(BATCH).enumerate() {
             // One of these may be the first that is not kept.
             let one_by_one = self.close_up.is_none() && self.points.len() + points.len() > MOST;
             if let Some(close_up) = &mut self.close_up {
                 close_up.push_all(points);
             }
-            for (at, point) in points.iter().enumerate() {
-                let number = scrambled(self.seen);
-                self.seen += 1;
-                if let Some(close_up) = self.close_up.as_mut().filter(|_| one_by_one) {
-                    close_up.push(*point);
+            let mut numbers = [0; BATCH];
+            // The same instructions, for more numbers at a time where the processor can.
+            let look = Look { points, seen: self.seen, numbers: &mut numbers };
+            let all_are_present = pulp::Arch::new().dispatch(look);
+            self.present += if all_are_present { points.len() } else { present(points) };
+            self.seen += points.len() as u64;
+            if one_by_one {
+                for (at, point) in points.iter().enumerate() {
+                    if let Some(close_up) = &mut self.close_up {
+                        close_up.push(*point);
+                    }
+                    self.keep_drawn(numbers[at], *point, chunk.sigma(), batch * BATCH + at);
                 }
-                if number <= self.threshold {
-                    self.keep(number, *point, chunk.sigma(), batch * BATCH + at);
-                }
+                continue;
+            }
+            // Which are drawn cannot be predicted: they are picked without a branch. Fewer may be drawn since then.
+            let (mut drawn, mut count) = ([0; BATCH], 0);
+            for (at, number) in numbers.iter().enumerate().take(points.len()) {
+                drawn[count] = at;
+                count += usize::from(*number <= self.threshold);
+            }
+            for at in &drawn[..count] {
+                self.keep_drawn(numbers[*at], points[*at], chunk.sigma(), batch * BATCH + at);
             }
         }
+    }
+
+    /// Points so far that are not absent.
+    pub fn present(&self) -> usize {
+        self.present
     }
 
     /// The choice; `None` when there are too few points, or most are in one place.
@@ -104,7 +122,11 @@ impl CellSizeSample {
         choose_by_share(&scan, pose.as_ref(), share, close_up.as_ref())
     }
 
-    fn keep(&mut self, number: u64, point: [f64; 3], errors: &Sigma, at: usize) {
+    /// Keeps a point, if it is drawn by its number: that at a place of its chunk.
+    fn keep_drawn(&mut self, number: u64, point: [f64; 3], errors: &Sigma, at: usize) {
+        if number > self.threshold {
+            return;
+        }
         match (&mut self.sigma, errors) {
             (Sigma::PerPoint(kept), Sigma::PerPoint(all)) => kept.extend(all.get(at)),
             (Sigma::PerAxis(kept), Sigma::PerAxis(all)) => kept.extend(all.get(at)),
@@ -137,6 +159,32 @@ impl CellSizeSample {
     }
 }
 
+/// Looks at some points: tells the scrambled number of each, the first of which is this before that, and whether none is absent.
+struct Look<'a> {
+    points: &'a [[f64; 3]],
+    seen: u64,
+    numbers: &'a mut [u64; BATCH],
+}
+
+impl pulp::WithSimd for Look<'_> {
+    type Output = bool;
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> bool {
+        for (number, seen) in self.numbers.iter_mut().zip(self.seen..) {
+            *number = scrambled(seen);
+        }
+        let absent = |absent, x: &f64| absent | u64::from(!x.is_finite());
+        self.points.as_flattened().iter().fold(0, absent) == 0
+    }
+}
+
+fn present(points: &[[f64; 3]]) -> usize {
+    points.iter().filter(|point| point.iter().all(|x| x.is_finite())).count()
+}
+
 /// Leaves those in the list that stay.
 fn retain<T: Copy>(list: &mut Vec<T>, stays: &[bool]) {
     // Which stay cannot be predicted: there is no branch.
@@ -149,6 +197,9 @@ fn retain<T: Copy>(list: &mut Vec<T>, stays: &[bool]) {
 }
 
 /// A number that looks drawn at random, and is the same for the same number (the finaliser of SplitMix64).
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
 pub(crate) fn scrambled(number: u64) -> u64 {
     let mix = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mix = (mix ^ mix >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

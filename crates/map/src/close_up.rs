@@ -54,9 +54,14 @@ impl CloseUp {
         let (mut keeps, mut hashes) = ([true; BATCH], [0; BATCH]);
         for points in points.chunks(BATCH) {
             keeps.fill(true);
-            for draw in &self.draws {
+            // The last is of the smallest voxels, and mostly keeps the least.
+            for draw in self.draws.iter().rev() {
                 draw.hash_all(points, &mut hashes);
                 keeps.iter_mut().zip(&hashes).for_each(|(keeps, hash)| *keeps &= *hash <= draw.threshold);
+                // Points come in order, and most of them are in no voxel that is kept.
+                if !keeps.contains(&true) {
+                    break;
+                }
             }
             for (point, _) in points.iter().zip(&keeps).filter(|(_, keeps)| **keeps) {
                 // Fewer voxels may be kept since.

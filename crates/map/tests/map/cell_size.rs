@@ -141,6 +141,7 @@ fn sampled(scan: &Scan, size: usize) -> CellSizeChoice {
         };
         sample.push(&Scan::new(points.to_vec(), sigma, scan.frame()).unwrap());
     }
+    assert_eq!(sample.present(), scan.present());
     sample.choose().unwrap()
 }
 

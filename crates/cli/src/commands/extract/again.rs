@@ -19,7 +19,7 @@ pub struct Again<'a, 'm> {
 }
 
 impl Again<'_, '_> {
-    /// Hands out all points with their labels, chunk by chunk, and reads the next chunk meanwhile.
+    /// Hands out all points with their labels, chunk by chunk. While a chunk is labelled, the one before is handed out and the next one read.
     ///
     /// # Errors
     /// [`CliError`] when a file cannot be read or no longer has as many points, and what `each` returns.
@@ -33,7 +33,9 @@ impl Again<'_, '_> {
         let Self { inputs, reading, labels } = self;
         let mut told = progress.begin_points(what, bytes(inputs.sources()));
         let (mut view, mut read) = (0, 0);
-        let mut of_chunk = Vec::new();
+        // The chunk before, which is not handed out yet, and memory for the labels of the next.
+        let mut before: Option<(Scan, Vec<Option<PlaneId>>)> = None;
+        let mut spare = Vec::new();
         let mut waiting = Instant::now();
         reading.begin_each(inputs.sources(), |source, begun| {
             let (mut chunks, first) = begun?;
@@ -44,23 +46,25 @@ impl Again<'_, '_> {
             while let Some(chunk) = next {
                 let (begun, points) = (Instant::now(), chunk.len());
                 left = left.checked_sub(points).ok_or_else(changed)?;
-                let (labels, each, of_chunk) = (&mut *labels, &mut each, &mut of_chunk);
-                let mut work = |chunk: &Scan| {
+                let mut of_chunk = std::mem::take(&mut spare);
+                let mut work = || {
+                    let working = Instant::now();
+                    let outcome = before.as_ref().map_or(Ok(()), |(scan, labels)| each(scan, labels));
                     let labelling = Instant::now();
-                    labels.label(view, chunk, of_chunk);
-                    let labelled = labelling.elapsed();
-                    (labelled, each(chunk, of_chunk), labelling.elapsed())
+                    labels.label(view, &chunk, &mut of_chunk);
+                    (outcome, labelling.elapsed(), working.elapsed())
                 };
                 // What is behind the points that were used could not be read before.
-                let ((labelled, outcome, worked), following) = if left == 0 && !whole {
-                    (work(&chunk), Ok(None))
-                } else {
-                    chunks.next_beside(chunk, work)
-                };
+                let ((outcome, labelled, worked), following) =
+                    if left == 0 && !whole { (work(), Ok(None)) } else { chunks.beside(work) };
                 outcome?;
                 timings.label += labelled.as_secs_f64();
                 timings.load += begun.elapsed().saturating_sub(worked).as_secs_f64();
                 progress.advance_points(&mut told, points, read + chunks.bytes_read());
+                if let Some((scan, labels)) = before.replace((chunk, of_chunk)) {
+                    chunks.recycle(scan);
+                    spare = labels;
+                }
                 next = following?;
             }
             waiting = Instant::now();
@@ -70,7 +74,8 @@ impl Again<'_, '_> {
             view += 1;
             read += length(source);
             Ok(())
-        })
+        })?;
+        before.map_or(Ok(()), |(scan, labels)| each(&scan, &labels))
     }
 }
 

@@ -93,9 +93,17 @@ impl Chunks<'_> {
             self.recycle(chunk);
             return (done, self.next());
         }
-        let (done, next) = rayon::join(|| work(&chunk), || self.next());
+        let both = self.beside(|| work(&chunk));
         self.recycle(chunk);
-        (done, next)
+        both
+    }
+
+    /// Does other work and reads the next chunk meanwhile, as [`next_beside`](Self::next_beside).
+    pub fn beside<T: Send>(
+        &mut self,
+        work: impl FnOnce() -> T + Send,
+    ) -> (T, Result<Option<Scan>, ReadError>) {
+        rayon::join(work, || self.next())
     }
 
     /// Gives the memory of a chunk back for one of the next.

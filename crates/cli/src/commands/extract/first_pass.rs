@@ -177,21 +177,20 @@ impl<'a> FirstPass<'a, '_> {
         if later.is_empty() {
             return Ok((chunks, first));
         }
-        let (present, sample, held) = if points <= MOST_HELD {
+        let (sample, held) = if points <= MOST_HELD {
             let mut sample = CellSizeSample::new(source.pose_noise);
             sample.push(&first);
             for chunk in &later {
                 sample.push(chunk);
             }
-            let present = first.present() + later.iter().map(Scan::present).sum::<usize>();
             chunks.hold(later);
-            (present, sample, Some((chunks, first)))
+            (sample, Some((chunks, first)))
         } else {
             let sampled = self.sample(source, chunks, std::iter::once(first).chain(later));
             self.points = self.progress.begin_points(READING, self.bytes);
-            let (present, sample) = sampled.map_err(told)?;
-            (present, sample, None)
+            (sampled.map_err(told)?, None)
         };
+        let present = sample.present();
         let chosen = sample.choose().ok_or(InsertError::NoCellSize { present });
         let begun = chosen.and_then(|choice| self.mapper.begin_with(choice));
         begun.map_err(|error| format!("{}: {error}", source.path.display()))?;
@@ -200,23 +199,19 @@ impl<'a> FirstPass<'a, '_> {
         begun
     }
 
-    /// Points of all of a scan that is begun, and how many are present.
+    /// Points of all of a scan that is begun.
     fn sample(
         &mut self,
         source: &Source,
         mut chunks: Chunks<'a>,
         mut begun: impl Iterator<Item = Scan>,
-    ) -> Result<(usize, CellSizeSample), ReadError> {
+    ) -> Result<CellSizeSample, ReadError> {
         let mut points = self.progress.begin_points("cell size", length(source));
         let mut sample = CellSizeSample::new(source.pose_noise);
-        let mut present = 0;
         let mut next = begun.next();
         while let Some(chunk) = next {
             let points_of_chunk = chunk.len();
-            let mut work = |chunk: &Scan| {
-                sample.push(chunk);
-                present += chunk.present();
-            };
+            let mut work = |chunk: &Scan| sample.push(chunk);
             next = match begun.next() {
                 Some(second) => {
                     work(&chunk);
@@ -227,7 +222,7 @@ impl<'a> FirstPass<'a, '_> {
             };
             self.progress.advance_points(&mut points, points_of_chunk, chunks.bytes_read());
         }
-        Ok((present, sample))
+        Ok(sample)
     }
 }
 
