@@ -162,7 +162,8 @@ impl Field {
     }
 
     /// Asks of each cell, by its place among those that were given, what is to be known of the sums of its points and those of the
-    /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool.
+    /// cells that share a face, an edge or a corner with it, about the anchor of its own; on all threads of the rayon pool. Finds which cells
+    /// touch, the first time.
     pub fn sums_around<T: Copy + Send>(&mut self, ask: impl Fn(usize, &Stats) -> T + Sync + Send) -> Vec<T> {
         self.sums_around_several(|[cell], [sums]| [cell.map(|cell| ask(cell, sums))]).flatten().collect()
     }

@@ -213,6 +213,42 @@ mod tests {
         one
     }
 
+    /// What each cell touches is what it shares a face, an edge or a corner with; of a cell it is told whether it is wide.
+    fn assert_touch_as_by_brute_force(cells: &[([i32; 3], bool)]) {
+        let Curve { along: sorted, order, .. } = Curve::of(cells.len(), |at| cells[at].0);
+        let along: Vec<([i32; 3], bool)> = order.iter().map(|at| cells[*at as usize]).collect();
+        let is_wide: Vec<bool> = along.iter().map(|(_, wide)| *wide).collect();
+        let levels = all(&sorted, &is_wide);
+        for (cell, (key, wide)) in (0..).zip(&along) {
+            let ends = |key: i32, wide: bool| [key, key + 1 + i32::from(wide)];
+            let touches = |other: &([i32; 3], bool)| {
+                (0..3).all(|i| {
+                    let ([a, b], [c, d]) = (ends(key[i], *wide), ends(other.0[i], other.1));
+                    a <= d && c <= b
+                })
+            };
+            let others = (0..).zip(&along).filter(|(at, other)| *at != cell && touches(other));
+            let expected: Vec<u32> = others.map(|(at, _)| at).collect();
+            let mut near = levels[0].near(cell as usize).to_vec();
+            near.sort_unstable();
+            assert_eq!(near, expected);
+        }
+    }
+
+    #[test]
+    fn what_touches_is_found_where_lists_end() {
+        // A surface two cells thick, wide on one side: more groups than one list holds, on both of the finest levels.
+        let cell = |k: i32| [k % 60, k / 60 % 60, k / 3600 + k * 7 % 3];
+        let narrow = (0..7200).map(cell).filter(|[x, ..]| *x < 40).map(|key| (key, false));
+        let wide = (0..7200).map(cell).filter(|[x, ..]| *x >= 40).map(|key| (key.map(|k| k & !1), true));
+        let cells: std::collections::BTreeSet<([i32; 3], bool)> = narrow.chain(wide).collect();
+        let cells: Vec<_> = cells.into_iter().collect();
+        let parents: std::collections::BTreeSet<_> =
+            cells.iter().map(|(key, _)| key.map(|k| k >> 1)).collect();
+        assert!(parents.len() > 3 * AT_ONCE);
+        assert_touch_as_by_brute_force(&cells);
+    }
+
     #[test]
     fn no_cells_are_no_groups() {
         let (levels, order) = levels(&[]);
@@ -237,24 +273,7 @@ mod tests {
             let mut cells: Vec<([i32; 3], bool)> = wide.iter().map(|key| (key.map(|k| 2 * k), true)).collect();
             let alone = |key: &[i32; 3]| !wide.contains(&key.map(|k| k >> 1));
             cells.extend(keys.iter().filter(|key| alone(key)).map(|key| (*key, false)));
-            let Curve { along: sorted, order, .. } = Curve::of(cells.len(), |at| cells[at].0);
-            let along: Vec<([i32; 3], bool)> = order.iter().map(|at| cells[*at as usize]).collect();
-            let is_wide: Vec<bool> = along.iter().map(|(_, wide)| *wide).collect();
-            let levels = all(&sorted, &is_wide);
-            for (cell, (key, wide)) in (0..).zip(&along) {
-                let ends = |key: i32, wide: bool| [key, key + 1 + i32::from(wide)];
-                let touches = |other: &([i32; 3], bool)| {
-                    (0..3).all(|i| {
-                        let ([a, b], [c, d]) = (ends(key[i], *wide), ends(other.0[i], other.1));
-                        a <= d && c <= b
-                    })
-                };
-                let others = (0..).zip(&along).filter(|(at, other)| *at != cell && touches(other));
-                let expected: Vec<u32> = others.map(|(at, _)| at).collect();
-                let mut near = levels[0].near(cell as usize).to_vec();
-                near.sort_unstable();
-                prop_assert_eq!(near, expected);
-            }
+            assert_touch_as_by_brute_force(&cells);
         }
 
         #[test]
