@@ -136,7 +136,8 @@ impl Extents {
 /// Distance between neighbouring points in metres, as far as it is known.
 fn spacing(map: &PlaneMap, inputs: &Inputs) -> f64 {
     let known = map.used.chosen.map(|chosen| chosen.spacing);
-    known.unwrap_or(map.used.cell_size / SPACINGS_PER_CELL).max(inputs.extent().largest / PARTS)
+    let reach = inputs.extent().map_or(0.0, |extent| extent.largest);
+    known.unwrap_or(map.used.cell_size / SPACINGS_PER_CELL).max(reach / PARTS)
 }
 
 /// Where the points of each plane are.

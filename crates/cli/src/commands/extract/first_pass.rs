@@ -20,20 +20,22 @@ const MOST_HELD: usize = 1 << 20;
 const AT_ONCE: usize = 1 << 14;
 
 /// Reads the sources, as many at a time as there are threads, and inserts them in order, chunk by chunk. A source that cannot be read is
-/// reported and left out; of one that fails after its first chunk the points before are used, which is reported too.
+/// reported and left out; of one that fails after its first chunk the points before are used, which is reported too. What the points span is
+/// found where that `is_asked`.
 ///
 /// # Errors
 /// [`CliError`] when none could be used.
 pub fn insert_all(
     mapper: &mut Mapper,
     sources: &[Source],
-    reading: Reading,
+    (reading, is_asked): (Reading, bool),
     progress: &mut Progress,
     timings: &mut Timings,
 ) -> Result<Inputs, CliError> {
     let bytes = bytes(sources);
     let points = progress.begin_points(READING, bytes);
-    let inputs = Inputs::default();
+    let mut inputs = Inputs::default();
+    inputs.extent = is_asked.then(PlyExtent::default);
     let mut pass = FirstPass { mapper, reading, progress, points, timings, bytes, read: 0, inputs };
     let mut begun = Instant::now();
     reading.begin_each(sources, |source, opened| {
@@ -134,19 +136,20 @@ impl<'a> FirstPass<'a, '_> {
     ) -> Result<Result<Option<Scan>, ReadError>, InsertError> {
         let (begun, points) = (Instant::now(), chunk.len());
         let errors_known = !matches!(chunk.sigma(), Sigma::Unknown);
-        let mapper = &mut *self.mapper;
+        let (mapper, spans) = (&mut *self.mapper, self.inputs.extent.is_some());
         let work = |chunk: &Scan| {
             let inserting = Instant::now();
             let inserted = insert(mapper, chunk)?;
-            Ok::<_, InsertError>((inserted, extent(chunk), inserting.elapsed()))
+            Ok::<_, InsertError>((inserted, spans.then(|| extent(chunk)), inserting.elapsed()))
         };
         let (done, next) = chunks.next_beside(chunk, work);
         let (inserted, extent, took) = done?;
         self.timings.grid += took.as_secs_f64();
         self.timings.load += begun.elapsed().saturating_sub(took).as_secs_f64();
         self.inputs.errors_known |= errors_known;
-        self.inputs.extent.points += extent.points;
-        self.inputs.extent.largest = self.inputs.extent.largest.max(extent.largest);
+        if let (Some(all), Some(extent)) = (&mut self.inputs.extent, extent) {
+            *all = both(*all, extent);
+        }
         used.points += points;
         let before = used.inserted.map_or((0, None), |all| (all.out_of_range, all.first_refusal));
         used.inserted = Some(Inserted {
@@ -250,8 +253,9 @@ fn extent(scan: &Scan) -> PlyExtent {
         PlyExtent::of(part.filter_map(|at| scan.world_position(at)))
     };
     let parts = (0..scan.len().div_ceil(AT_ONCE)).into_par_iter().map(|part| of_part(part * AT_ONCE));
-    parts.reduce(PlyExtent::default, |a, b| PlyExtent {
-        points: a.points + b.points,
-        largest: a.largest.max(b.largest),
-    })
+    parts.reduce(PlyExtent::default, both)
+}
+
+fn both(a: PlyExtent, b: PlyExtent) -> PlyExtent {
+    PlyExtent { points: a.points + b.points, largest: a.largest.max(b.largest) }
 }

@@ -68,7 +68,8 @@ pub struct Inputs {
     /// The number of an input that was used to where it could be read.
     in_part: Vec<(usize, String)>,
     skipped: Vec<(Source, String)>,
-    pub(super) extent: PlyExtent,
+    /// Where that is asked for.
+    pub(super) extent: Option<PlyExtent>,
     pub(super) errors_known: bool,
     pub(super) not_measured: usize,
 }
@@ -117,8 +118,8 @@ impl Inputs {
         self.skipped.last().map(|(_, reason)| reason.as_str())
     }
 
-    /// What the present points span.
-    pub fn extent(&self) -> PlyExtent {
+    /// What the present points span, if that was asked for.
+    pub fn extent(&self) -> Option<PlyExtent> {
         self.extent
     }
 

@@ -67,7 +67,8 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     }
 
     let reading = Reading::with(&options);
-    let inputs = insert_all(&mut mapper, &sources, reading, &mut progress, &mut timings)?;
+    let is_asked = !args.no_points || args.extent || !args.mesh.is_empty();
+    let inputs = insert_all(&mut mapper, &sources, (reading, is_asked), &mut progress, &mut timings)?;
     if let Some(warning) = not_measured(inputs.not_measured()) {
         progress.warn(&warning);
     }
@@ -138,8 +139,8 @@ fn label(
     timings: &mut Timings,
 ) -> Result<(Labelled, Option<Bounds>), CliError> {
     let labels = LabelsWriter::create(&args.out.join("labels.npy"), again.inputs.points() as u64)?;
-    let coloured = || PlyWriter::create(&args.out.join("points.ply"), again.inputs.extent());
-    let points = if args.no_points { None } else { Some(coloured()?) };
+    let coloured = |extent| PlyWriter::create(&args.out.join("points.ply"), extent);
+    let points = again.inputs.extent().filter(|_| !args.no_points).map(coloured).transpose()?;
     let mut written = Labelled { labels, points };
     let mut bounds: Option<Bounds> = None;
     let mut seconds = 0.0;
