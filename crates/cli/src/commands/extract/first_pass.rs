@@ -21,21 +21,22 @@ const AT_ONCE: usize = 1 << 14;
 
 /// Reads the sources, as many at a time as there are threads, and inserts them in order, chunk by chunk. A source that cannot be read is
 /// reported and left out; of one that fails after its first chunk the points before are used, which is reported too. What the points span is
-/// found where that `is_asked`.
+/// found with `with_extent`.
 ///
 /// # Errors
 /// [`CliError`] when none could be used.
 pub fn insert_all(
     mapper: &mut Mapper,
     sources: &[Source],
-    (reading, is_asked): (Reading, bool),
+    reading: Reading,
+    with_extent: bool,
     progress: &mut Progress,
     timings: &mut Timings,
 ) -> Result<Inputs, CliError> {
     let bytes = bytes(sources);
     let points = progress.begin_points(READING, bytes);
     let mut inputs = Inputs::default();
-    inputs.extent = is_asked.then(PlyExtent::default);
+    inputs.extent = with_extent.then(PlyExtent::default);
     let mut pass = FirstPass { mapper, reading, progress, points, timings, bytes, read: 0, inputs };
     let mut begun = Instant::now();
     reading.begin_each(sources, |source, opened| {

@@ -67,8 +67,8 @@ fn extract(args: &ExtractArgs) -> Result<(), CliError> {
     }
 
     let reading = Reading::with(&options);
-    let is_asked = !args.no_points || args.extent || !args.mesh.is_empty();
-    let inputs = insert_all(&mut mapper, &sources, (reading, is_asked), &mut progress, &mut timings)?;
+    let with_extent = !args.no_points || args.extent || !args.mesh.is_empty();
+    let inputs = insert_all(&mut mapper, &sources, reading, with_extent, &mut progress, &mut timings)?;
     if let Some(warning) = not_measured(inputs.not_measured()) {
         progress.warn(&warning);
     }

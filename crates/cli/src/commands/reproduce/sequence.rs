@@ -35,7 +35,7 @@ pub fn run(args: &ReproduceArgs, data: &Path) -> Result<(), CliError> {
     let mut progress = Progress::new(args.quiet);
     let runs = run_all(params, |mapper: &mut Mapper| {
         let reading = Reading { change: &with_axial_errors, ..Reading::with(&options) };
-        insert_all(mapper, &sources, (reading, false), &mut progress, &mut Timings::default()).map(|_| ())
+        insert_all(mapper, &sources, reading, false, &mut progress, &mut Timings::default()).map(|_| ())
     })?;
     progress.finish();
 
