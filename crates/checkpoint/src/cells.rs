@@ -8,13 +8,14 @@ use arrow_array::types::{
 };
 use arrow_array::{Array, ArrayRef, ListArray, PrimitiveArray, RecordBatch, StructArray};
 use arrow_buffer::{OffsetBuffer, ScalarBuffer};
-use arrow_schema::{DataType, Schema};
+use arrow_schema::{Fields, Schema};
 use parquet::errors::ParquetError;
-use terrace::{MapCell, Moments, Sighting, SymmetricMatrix3};
+use terrace::{MapCell, Moments, SampledPoint, Sighting, SymmetricMatrix3};
 
 use crate::MapFileError;
 use crate::schema::{
-    HALVINGS, KEY, NOISE, PLACE, POINTS, SAMPLE, SECOND, SEEN, SIGHTING, SUM, entry, fields,
+    ENDURES, HALVINGS, KEY, NOISE, PLACE, POINTS, SAMPLE, SECOND, SEEN, SIGHTING, SUM, entry, of_sample,
+    of_seen,
 };
 
 /// Rows that are put together.
@@ -26,6 +27,7 @@ pub(crate) struct Columns {
     second: [Vec<f64>; 6],
     noise: [Vec<f64>; 6],
     places: [Vec<f32>; 3],
+    endures: Vec<u8>,
     sample_ends: Vec<i32>,
     halvings: Vec<u8>,
     sightings: [Vec<u32>; 2],
@@ -49,7 +51,10 @@ impl Columns {
         add(&mut self.sum, sum);
         add(&mut self.second, second);
         add(&mut self.noise, noise);
-        cell.sample.iter().for_each(|place| add(&mut self.places, *place));
+        for SampledPoint { place, endures } in &*cell.sample {
+            add(&mut self.places, *place);
+            self.endures.push(*endures);
+        }
         self.halvings.push(cell.halvings);
         cell.seen.iter().for_each(|sighting| add(&mut self.sightings, [sighting.view, sighting.points]));
         // A batch has some thousand rows: what cannot be counted would not fit into memory before.
@@ -64,12 +69,22 @@ impl Columns {
         fn column<T: ArrowPrimitiveType>(values: Vec<T::Native>) -> ArrayRef {
             Arc::new(PrimitiveArray::<T>::new(ScalarBuffer::from(values), None))
         }
-        let Self { key, points, sum, second, noise, places, sample_ends, halvings, sightings, seen_ends } =
-            std::mem::take(self);
-        let sample =
-            list(&PLACE, &DataType::Float32, places.map(column::<Float32Type>).to_vec(), sample_ends)?;
-        let seen =
-            list(&SIGHTING, &DataType::UInt32, sightings.map(column::<UInt32Type>).to_vec(), seen_ends)?;
+        let Self {
+            key,
+            points,
+            sum,
+            second,
+            noise,
+            places,
+            endures,
+            sample_ends,
+            halvings,
+            sightings,
+            seen_ends,
+        } = std::mem::take(self);
+        let sampled = places.map(column::<Float32Type>).into_iter().chain([column::<UInt8Type>(endures)]);
+        let sample = list(of_sample(), sampled.collect(), sample_ends)?;
+        let seen = list(of_seen(), sightings.map(column::<UInt32Type>).to_vec(), seen_ends)?;
         let columns: Vec<ArrayRef> = (key.into_iter().map(column::<Int32Type>))
             .chain([column::<UInt64Type>(points)])
             .chain(sum.into_iter().chain(second).chain(noise).map(column::<Float64Type>))
@@ -85,13 +100,7 @@ fn add<T, const N: usize>(columns: &mut [Vec<T>; N], row: [T; N]) {
 }
 
 /// Lists of entries with these fields, given where each list ends.
-fn list(
-    names: &[&str],
-    of: &DataType,
-    columns: Vec<ArrayRef>,
-    ends: Vec<i32>,
-) -> Result<ArrayRef, ParquetError> {
-    let fields = fields(names, of);
+fn list(fields: Fields, columns: Vec<ArrayRef>, ends: Vec<i32>) -> Result<ArrayRef, ParquetError> {
     let offsets = OffsetBuffer::new(std::iter::once(0).chain(ends).collect::<ScalarBuffer<i32>>());
     let entries = StructArray::try_new(fields.clone(), columns, None)?;
     Ok(Arc::new(ListArray::try_new(entry(fields), offsets, Arc::new(entries), None)?))
@@ -105,6 +114,7 @@ pub(crate) struct Rows<'b> {
     second: [&'b [f64]; 6],
     noise: [&'b [f64]; 6],
     places: [&'b [f32]; 3],
+    endures: &'b [u8],
     sample_ends: &'b [i32],
     halvings: &'b [u8],
     sightings: [&'b [u32]; 2],
@@ -123,6 +133,7 @@ impl<'b> Rows<'b> {
             second: each(SECOND, |name| values::<Float64Type>(batch.column_by_name(name), name))?,
             noise: each(NOISE, |name| values::<Float64Type>(batch.column_by_name(name), name))?,
             places: each(PLACE, |name| values::<Float32Type>(sample.column_by_name(name), SAMPLE))?,
+            endures: values::<UInt8Type>(sample.column_by_name(ENDURES), SAMPLE)?,
             sample_ends,
             halvings: values::<UInt8Type>(batch.column_by_name(HALVINGS), HALVINGS)?,
             sightings: each(SIGHTING, |name| values::<UInt32Type>(seen.column_by_name(name), SEEN))?,
@@ -136,7 +147,9 @@ impl<'b> Rows<'b> {
         for row in 0..self.points.len() {
             let (second, noise) = (self.second.map(|of| of[row]), self.noise.map(|of| of[row]));
             sample.clear();
-            sample.extend(within(self.sample_ends, row).map(|at| self.places.map(|of| of[at])));
+            let sampled =
+                |at: usize| SampledPoint { place: self.places.map(|of| of[at]), endures: self.endures[at] };
+            sample.extend(within(self.sample_ends, row).map(sampled));
             seen.clear();
             let sighting =
                 |at: usize| Sighting { view: self.sightings[0][at], points: self.sightings[1][at] };

@@ -8,7 +8,7 @@ use arrow_schema::{DataType, Field, Fields, Schema};
 pub const METADATA_KEY: &str = "terrace-map";
 
 /// The version written, and the only one read.
-pub const VERSION: u64 = 1;
+pub const VERSION: u64 = 2;
 
 pub(crate) const KEY: [&str; 3] = ["x", "y", "z"];
 pub(crate) const POINTS: &str = "points";
@@ -18,13 +18,20 @@ pub(crate) const SECOND: [&str; 6] =
 pub(crate) const NOISE: [&str; 6] = ["noise_xx", "noise_xy", "noise_xz", "noise_yy", "noise_yz", "noise_zz"];
 pub(crate) const SAMPLE: &str = "sample";
 pub(crate) const PLACE: [&str; 3] = ["x", "y", "z"];
+pub(crate) const ENDURES: &str = "endures";
 pub(crate) const HALVINGS: &str = "sample_halvings";
 pub(crate) const SEEN: &str = "seen";
 pub(crate) const SIGHTING: [&str; 2] = ["view", "points"];
 
-/// The fields of an entry of `sample` or `seen`.
-pub(crate) fn fields(names: &[&str], of: &DataType) -> Fields {
-    names.iter().map(|name| Field::new(*name, of.clone(), false)).collect()
+/// The fields of an entry of `sample`.
+pub(crate) fn of_sample() -> Fields {
+    let places = PLACE.iter().map(|name| Field::new(*name, DataType::Float32, false));
+    places.chain([Field::new(ENDURES, DataType::UInt8, false)]).collect()
+}
+
+/// The fields of an entry of `seen`.
+pub(crate) fn of_seen() -> Fields {
+    SIGHTING.iter().map(|name| Field::new(*name, DataType::UInt32, false)).collect()
 }
 
 /// What an entry of a list is called by all who read Parquet.
@@ -37,16 +44,16 @@ pub(crate) fn schema() -> Schema {
     let of = |names: &'static [&'static str], of: DataType| {
         names.iter().map(move |name| Field::new(*name, of.clone(), false))
     };
-    let list = |name, names, of| Field::new(name, DataType::List(entry(fields(names, of))), false);
+    let list = |name, fields| Field::new(name, DataType::List(entry(fields)), false);
     let fields: Vec<Field> = of(&KEY, DataType::Int32)
         .chain([Field::new(POINTS, DataType::UInt64, false)])
         .chain(of(&SUM, DataType::Float64))
         .chain(of(&SECOND, DataType::Float64))
         .chain(of(&NOISE, DataType::Float64))
         .chain([
-            list(SAMPLE, &PLACE, &DataType::Float32),
+            list(SAMPLE, of_sample()),
             Field::new(HALVINGS, DataType::UInt8, false),
-            list(SEEN, &SIGHTING, &DataType::UInt32),
+            list(SEEN, of_seen()),
         ])
         .collect();
     Schema::new(fields)

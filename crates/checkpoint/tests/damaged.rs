@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch};
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, UInt8Array};
 use arrow_schema::{Field, Schema};
 use bytes::Bytes;
 use common::{all, file, map, room};
@@ -145,7 +145,8 @@ fn the_error_tells_what_is_wrong() {
             SAME,
         ))
     };
-    assert!(matches!(with("\"version\":1", "\"version\":2,\"new\":0"), MapFileError::Version { found: 2 }));
+    assert!(matches!(with("\"version\":2", "\"version\":1,\"old\":0"), MapFileError::Version { found: 1 }));
+    assert!(matches!(with("\"version\":2", "\"version\":3,\"new\":0"), MapFileError::Version { found: 3 }));
     assert!(matches!(with("{", "["), MapFileError::Metadata(_)));
     assert!(matches!(with("\"voxel\"", "\"pixel\""), MapFileError::Setting { name: "assignment", .. }));
     assert!(matches!(
@@ -175,6 +176,8 @@ fn the_error_tells_what_is_wrong() {
         let error = column("noise_yy", &numbers(Some(wrong)));
         assert!(matches!(error, MapFileError::Cell { row: 0, error: PartsError::Sums { .. } }), "{error}");
     }
+    let error = column("sample_halvings", &|array| Some(Arc::new(UInt8Array::from(vec![31; array.len()]))));
+    assert!(matches!(error, MapFileError::Cell { row: 0, error: PartsError::Sample { .. } }), "{error}");
     // Twice the same cells.
     let error = column("y", &|array| {
         let zeros = arrow_array::Int32Array::from(vec![0; array.len()]);

@@ -106,7 +106,7 @@ pub use terrace_grid::{Assignment, CellId, Connectivity, GridError, VoxelKey};
 pub use terrace_noise::{PoseNoise, PoseNoiseError};
 pub use terrace_normals::FitTo;
 pub use terrace_normals::{PlaneFit, UncertainNormal};
-pub use terrace_regions::{SampleError, Step as RegionStep};
+pub use terrace_regions::{SampleError, SampledPoint, Step as RegionStep};
 pub use terrace_stats::{Moments, SymmetricMatrix3};
 pub use terrace_types::{Frame, Plane, PlaneId, Pose, Scan, Sigma};
 

@@ -79,15 +79,19 @@ pub enum SampleError {
         places: usize,
     },
     /// A place is not finite, or would have been left out.
-    #[error("the place {place:?} is not of a sample that was halved {halvings} times")]
+    #[error(
+        "the place {place:?}, which endures {endures} halvings, is not of a sample that was halved {halvings} times"
+    )]
     Place {
         /// From the anchor of the cell, in metres.
         place: [f32; 3],
+        /// As given.
+        endures: u8,
         /// How often the sample was halved.
         halvings: u8,
     },
     /// A place is not a whole multiple of what places are kept in, or of too many of that.
-    #[error("the place {place:?} is not in whole units of {unit} m, 2^15 of them at most")]
+    #[error("the place {place:?} is not in whole units of {unit} m, 2^8 of them at most")]
     Unit {
         /// From the anchor of the cell, in metres.
         place: [f32; 3],

@@ -109,7 +109,7 @@ pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labeller::{Labeller, Measure, Tally};
 pub use labels::Points;
-pub use samples::{PartOf, Sample, Samples, Together};
+pub use samples::{PartOf, Sample, SampledPoint, Samples, Together};
 pub use segment::{Found, Grown, Region, Segmentation, find, segment};
 pub use settings::{Settings, Step};
 pub use shared::SharedNoise;

@@ -9,7 +9,7 @@ use crate::flat::Flat;
 use crate::grow::Region;
 use crate::near::{Near, Nearby, Several};
 use crate::of_cells::{Difference, NOTHING, OfCells, Part, Parts, SEVERAL};
-use crate::samples::Sample;
+use crate::samples::{Sample, Spot};
 use crate::weighed::{Kept, Weighed};
 use crate::{Settings, Step};
 
@@ -46,7 +46,7 @@ struct Work<'s> {
     parts: Vec<Part>,
     likely: Vec<f32>,
     samples: Vec<Sample<'s>>,
-    packed: Vec<[i16; 3]>,
+    spots: Vec<Spot>,
     /// The places of these, one after the other, and where each begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
@@ -390,10 +390,10 @@ impl<'s> Work<'s> {
     /// Finds the places of samples of the cells that are looked at, the first of all being of this number. Step by step: so the memory of
     /// one is not waited for before that of the next is asked for.
     fn unpack<S: Fn(usize) -> Sample<'s> + Sync>(&mut self, mixture: &Mixture<'_, S>, first: usize) {
-        let Self { anew, samples, packed, places, starts, .. } = self;
+        let Self { anew, samples, spots, places, starts, .. } = self;
         samples.clear();
         samples.extend(anew.iter().map(|at| (mixture.samples)(first + at)));
-        Sample::unpack(samples, packed, places, starts);
+        Sample::unpack(samples, spots, places, starts);
         // A cell has points.
         for ((at, start), sample) in anew.iter().zip(&*starts).zip(&*samples) {
             if sample.is_empty()

@@ -8,7 +8,7 @@ use crate::cube::Cube;
 use crate::mixture::Mixture;
 use crate::near::{Near, Nearby};
 use crate::of_cells::{OfCells, Part, Parts};
-use crate::samples::Sample;
+use crate::samples::{Sample, Spot};
 
 /// Cells that are handed to a thread at once.
 const AT_ONCE: usize = 1024;
@@ -21,7 +21,7 @@ struct Work<'s> {
     /// The samples of their parts, and how many points these have.
     samples: Vec<Sample<'s>>,
     points: Vec<f64>,
-    packed: Vec<[i16; 3]>,
+    spots: Vec<Spot>,
     /// The places of these, one after the other, and where each sample begins.
     places: Vec<[f32; 3]>,
     starts: Vec<usize>,
@@ -60,7 +60,7 @@ impl<'s> Work<'s> {
         first: usize,
         nearby: &[Nearby],
     ) {
-        let Self { cells, samples, points, packed, places, starts, .. } = self;
+        let Self { cells, samples, points, spots, places, starts, .. } = self;
         let field = mixture.field;
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
@@ -85,7 +85,7 @@ impl<'s> Work<'s> {
                 cells.push((at, samples.len()));
             }
         }
-        Sample::unpack(samples, packed, places, starts);
+        Sample::unpack(samples, spots, places, starts);
     }
 
     /// What so many points of a cell are of, by some of the samples; `None` without any.

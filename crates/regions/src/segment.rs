@@ -38,6 +38,9 @@ const ENOUGH_POINTS: f64 = 250.0;
 const SHARE_OF_AREA: f64 = 0.0025;
 const ENOUGH_CELLS: f64 = 50.0;
 const ENOUGH_CERTAIN_CELLS: f64 = 12.0;
+/// Samples tell how many points a plane has to about this share of them: which have enough is told for good when points are
+/// [measured](Found::by_measures).
+const UNSURE: f64 = 0.02;
 /// A part that does not touch the rest is a plane of its own when it has this share of the points, and so many times the fewest of a
 /// plane: a wall that is seen in pieces is one wall.
 const SHARE_OF_PART: f64 = 0.1;
@@ -197,7 +200,8 @@ impl Grown {
         let fewest = settings.min_points.map_or(fewest, |fewest| fewest as f64);
         let fewest = if settings.takes(Step::Size) { fewest } else { 1.0 };
         let samples = |cell: usize| samples(field.order[cell] as usize);
-        let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest };
+        let by_samples = (1.0 - UNSURE) * fewest;
+        let mixture = Mixture { field: &field, noise, samples, settings: &settings, fewest: by_samples };
         let mut of_cells = mixture.solve(&grown);
         mixture.recount(&mut of_cells);
         let mut pieces = pieces(&of_cells);
@@ -239,7 +243,7 @@ impl Grown {
         let least = (SHARE_OF_AREA * all).min(enough * field.coarse_edge().powi(2));
         let least = settings.min_area.unwrap_or(least);
         let least = if settings.takes(Step::Size) { least } else { 0.0 };
-        found.retain(|(_, region)| region.area >= least && region.points as f64 >= fewest);
+        found.retain(|(_, region)| region.area >= least && region.points as f64 >= by_samples);
         found.sort_by_key(|(number, region)| (std::cmp::Reverse(region.points), *number));
         let mut rank: Vec<Option<u32>> = vec![None; surface_of.len()];
         for (new, (old, _)) in (0..).zip(&found) {

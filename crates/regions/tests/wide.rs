@@ -9,6 +9,8 @@ use terrace_regions::{Cell, Field, PartOf, RegionsError, Sample, Samples, Settin
 
 const SIGMA: f64 = 0.01;
 const EDGE: f64 = 0.03;
+/// What samples keep places in, in metres: 2⁻¹³.
+const KEPT: f32 = 1.0 / 8192.0;
 
 fn corner(seed: u64) -> Scene {
     let mut scene = Scene::new(seed, SIGMA);
@@ -59,11 +61,14 @@ fn planes_go_on_from_cells_to_wide_ones() {
 
 #[test]
 fn points_of_wide_cells_are_counted_by_all_samples_of_their_parts() {
-    for seed in 0..5 {
+    for (seed, are_rounded) in (0..5).flat_map(|seed| [(seed, true), (seed, false)]) {
         let scene = corner(seed);
-        let (narrow, wide) = (with(&scene, |_| false), with(&scene, |_| true));
+        let (narrow, mut wide) = (with(&scene, |_| false), with(&scene, |_| true));
+        if are_rounded {
+            wide.places.iter_mut().flatten().for_each(|x| *x = (*x / KEPT).round() * KEPT);
+        }
         // Where points are in their wide cell, sampled by narrow one.
-        let mut samples = Samples::new((-20_f64).exp2());
+        let mut samples = Samples::new(f64::from(KEPT) / 128.0);
         let mut parts: Vec<PartOf> = Vec::new();
         for ((part, whole), place) in narrow.cell_of.iter().zip(&wide.cell_of).zip(&wide.places) {
             let (part, whole) = (part.unwrap(), whole.unwrap());
@@ -74,12 +79,13 @@ fn points_of_wide_cells_are_counted_by_all_samples_of_their_parts() {
             }
         }
         let together = samples.together(parts);
-        let mut alone = Samples::new((-20_f64).exp2());
+        let mut alone = Samples::new(f64::from(KEPT) / 128.0);
         wide.cell_of.iter().zip(&wide.places).for_each(|(cell, place)| alone.push(cell.unwrap(), *place));
-        // No part has more points than its sample beside another plane, though most cells have.
+        // No part has more points than its sample beside another plane, though most cells have: then only those are counted wrong that
+        // samples know to be on the other side.
         let by_parts = miscounted(&wide, |cell| together.sample(cell));
         let by_cells = miscounted(&wide, |cell| alone.sample(cell));
-        assert!(by_parts == 0 && by_cells > 9, "{by_parts} {by_cells}");
+        assert!(by_parts <= if are_rounded { 0 } else { 6 } && by_cells > 9, "{by_parts} {by_cells}");
     }
 }
 

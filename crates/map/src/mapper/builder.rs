@@ -1,7 +1,7 @@
 //! A map put together from its parts.
 
 use terrace_grid::{GridError, VoxelKey};
-use terrace_regions::SampleError;
+use terrace_regions::{SampleError, SampledPoint};
 use terrace_stats::Moments;
 
 use super::parts::MapCell;
@@ -11,6 +11,8 @@ use crate::{CellSizeChoice, Params, StreamingError};
 
 /// What rounding may add to the distance of a point from the centre of its cell, as a share of it.
 const ROUNDING: f64 = 1e-3;
+/// The same of a place that a sample keeps, rounded to a 128th of that at most.
+const ROUNDING_OF_SAMPLES: f64 = 0.5 / 128.0;
 
 /// Why parts are not those of a map.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -163,9 +165,10 @@ impl MapBuilder {
             return Err(sample(SampleError::TooMany { places: cell.sample.len() }));
         }
         if !cell.sample.is_empty() || cell.halvings > 0 {
-            let far = |place: &&[f32; 3]| place.iter().any(|x| f64::from(x.abs()) > self.reach);
-            if let Some(place) = cell.sample.iter().find(far) {
-                return Err(sample(SampleError::Place { place: *place, halvings: cell.halvings }));
+            let reach = self.reach * (1.0 + ROUNDING_OF_SAMPLES);
+            let far = |point: &SampledPoint| point.place.iter().any(|x| f64::from(x.abs()) > reach);
+            if let Some(SampledPoint { place, endures }) = cell.sample.iter().copied().find(far) {
+                return Err(sample(SampleError::Place { place, endures, halvings: cell.halvings }));
             }
             // A map that grows no regions has none.
             if let Some(samples) = &mut self.mapper.samples {

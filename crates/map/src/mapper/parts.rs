@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use terrace_grid::{VoxelGrid, VoxelKey};
+use terrace_regions::SampledPoint;
 use terrace_stats::Moments;
 
 use super::{Mapper, View, cell_number};
@@ -16,8 +17,8 @@ pub struct MapCell<'m> {
     pub key: VoxelKey,
     /// Number of points, L, S and E, relative to the centre of the cell of the map's cell size that the cell is or is in, in metres.
     pub sums: Moments,
-    /// Places of some of the points relative to the same centre, in metres; empty where no regions are grown.
-    pub sample: Cow<'m, [[f32; 3]]>,
+    /// Some of the points, with their places relative to the same centre; empty where no regions are grown.
+    pub sample: Cow<'m, [SampledPoint]>,
     /// How often the sample was halved, see [`Samples::halvings`](terrace_regions::Samples::halvings).
     pub halvings: u8,
     /// How many points each view saw, in the order of the views.
@@ -88,7 +89,9 @@ impl MapParts<'_> {
             MapCell {
                 key: cell.key(),
                 sums: *cell.stats().moments(),
-                sample: samples.map_or_else(Vec::new, |samples| samples.of(number).collect()).into(),
+                sample: samples
+                    .map_or_else(Vec::new, |samples| samples.sample(number).points().collect())
+                    .into(),
                 halvings: samples.map_or(0, |samples| samples.halvings(number)),
                 seen: self.sightings.of_cell(cell.id().index()),
             }

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use terrace::{
     Frame, GridError, Join, MapBuilder, MapCell, Mapper, MergeError, Moments, Params, PartsError, PlaneMap,
-    PoseNoise, Sighting, Sigma, StreamingError, View, Weighting,
+    PoseNoise, SampledPoint, Sighting, Sigma, StreamingError, View, Weighting,
 };
 use terrace_synth::Scene;
 
@@ -131,11 +131,12 @@ fn parts_that_are_of_no_map_are_refused() {
         Err(PartsError::Grid(GridError::KeyOutOfRange { .. }))
     ));
     assert!(matches!(changed(|cell, _| cell.halvings = 99), Err(PartsError::Sample { .. })));
-    assert!(matches!(changed(|cell, _| cell.sample = vec![[9.0; 3]].into()), Err(PartsError::Sample { .. })));
-    assert!(matches!(
-        changed(|cell, _| cell.sample = vec![[0.0; 3]; 6].into()),
-        Err(PartsError::Sample { .. })
-    ));
+    let at = |x: f32| SampledPoint { place: [x; 3], endures: 31 };
+    let with = |points: Vec<SampledPoint>| changed(|cell, _| cell.sample = points.clone().into());
+    assert!(with(vec![at(0.0); 5]).is_ok());
+    for strange in [vec![at(9.0)], vec![at(0.0); 6], vec![SampledPoint { endures: 32, ..at(0.0) }]] {
+        assert!(matches!(with(strange), Err(PartsError::Sample { .. })));
+    }
     for seen in [
         &[][..],
         &[Sighting { view: 0, points: 4 }],
@@ -301,10 +302,11 @@ proptest! {
                 prop_assert!((0..3).all(|i| near(found.sums.sum()[i], cell.sums.sum()[i])));
                 prop_assert!((0..6).all(|i| near(found.sums.second().0[i], cell.sums.second().0[i])));
                 prop_assert!((0..6).all(|i| near(found.sums.noise().0[i], cell.sums.noise().0[i])));
-                let set = |sample: &[[f32; 3]]| {
-                    let mut places: Vec<_> = sample.iter().map(|place| place.map(f32::to_bits)).collect();
-                    places.sort_unstable();
-                    places
+                let set = |sample: &[SampledPoint]| {
+                    let bits = |point: &SampledPoint| (point.place.map(f32::to_bits), point.endures);
+                    let mut points: Vec<_> = sample.iter().map(bits).collect();
+                    points.sort_unstable();
+                    points
                 };
                 prop_assert_eq!(set(&found.sample), set(&cell.sample));
                 let mut seen = [found.seen, cell.seen].map(|seen| seen.iter().map(|s| s.points).collect::<Vec<_>>());

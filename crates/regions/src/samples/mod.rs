@@ -8,11 +8,12 @@ mod units;
 use rayon::prelude::*;
 
 use crate::SampleError;
-use stripe::{MOST, MOST_HALVINGS, ROOM, Stripe};
-use units::{Packed, Unit, endures};
+use stripe::{MOST, MOST_HALVINGS, Stripe};
+use units::{Packed, Unit};
 
-pub use sample::Sample;
+pub use sample::{Sample, SampledPoint};
 pub use together::{PartOf, Together};
+pub(crate) use units::Spot;
 
 const STRIPES: usize = 8;
 /// Points whose places are scrambled at once.
@@ -24,12 +25,13 @@ const BATCH: usize = 128;
 /// are below a threshold, which is halved until no more than sixteen are left. So samples of parts of the points, cell by cell,
 /// [merge](Self::merge) into that of all. Cells of up to sixteen points have all of them.
 ///
-/// Places are kept in whole units, three times 16 bits, and cells of few points take less memory than those of many.
+/// Scrambled is the place in whole units, three times 16 bits, and kept of it the first nine of each, so that a point of a sample takes four bytes:
+/// shares of points, and where they end, are not known so well. Cells of few points take less memory than those of many.
 ///
 /// ```
 /// use terrace_regions::Samples;
 ///
-/// // Of points in cells with an edge of 10 cm: to a thirtieth of a millimetre, and up to a metre away.
+/// // Of points in cells with an edge of 1 m: to 2 mm from the nearest that is kept, and up to a metre away.
 /// let mut samples = Samples::new((-15_f64).exp2());
 /// for k in 0..100 {
 ///     samples.push(0, [0.0005 * k as f32, 0.0, 0.0]);
@@ -47,8 +49,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Samples of no points. Places are kept as the nearest whole multiple of `unit`, in metres and above zero, that is no farther than
-    /// 2¹⁵ of them along each axis: whole multiples stay as they are, to the bit, where the unit is a power of two.
+    /// Samples of no points. Places are told apart by the nearest whole multiple of `unit`, in metres and above zero, that is no farther than
+    /// 2¹⁵ of them along each axis, and kept as that of 2⁷ units, no farther than 2⁸ of those.
     pub fn new(unit: f64) -> Self {
         Self { stripes: Default::default(), unit: Unit::new(unit) }
     }
@@ -56,12 +58,11 @@ impl Samples {
     /// Adds a point of a cell by its place from the anchor of the cell's sums, in metres.
     #[inline]
     pub fn push(&mut self, cell: u32, place: [f32; 3]) {
-        let packed = self.unit.packed(place);
         let (stripe, at) = home(cell);
-        self.stripes[stripe].push(at, packed, endures(self.unit.unpacked(packed)), self.unit);
+        self.stripes[stripe].push(at, self.unit.spot(place));
     }
 
-    /// Appends places as they are kept: in whole units, each of 16 bits.
+    /// Appends places as they are told apart: in whole units, each of 16 bits.
     pub fn pack(&self, places: &[[f32; 3]], to: &mut Vec<[i16; 3]>) {
         self.unit.pack(places, to);
     }
@@ -107,34 +108,34 @@ impl Samples {
         self.stripes[stripe].halvings(at).unwrap_or(0)
     }
 
-    /// Puts a sample that was taken elsewhere, in the same unit, in the place of that of a cell: what [`of`](Self::of) and
+    /// Puts a sample that was taken elsewhere, in the same unit, in the place of that of a cell: what [`Sample::points`] and
     /// [`halvings`](Self::halvings) told of it.
     ///
     /// # Errors
     /// [`SampleError`] when it is no sample of any points; the samples are then unchanged.
-    pub fn restore(&mut self, cell: u32, places: &[[f32; 3]], halvings: u8) -> Result<(), SampleError> {
+    pub fn restore(&mut self, cell: u32, points: &[SampledPoint], halvings: u8) -> Result<(), SampleError> {
         if halvings > MOST_HALVINGS {
             return Err(SampleError::Halvings { halvings });
         }
-        if places.len() > MOST {
-            return Err(SampleError::TooMany { places: places.len() });
+        if points.len() > MOST {
+            return Err(SampleError::TooMany { places: points.len() });
         }
-        let mut all = [[0; 3]; MOST];
-        for (packed, place) in all.iter_mut().zip(places) {
-            let place = *place;
-            *packed = self.unit.packed(place);
-            let kept = self.unit.unpacked(*packed);
+        let mut all = [Spot::ZERO; MOST];
+        for (spot, SampledPoint { place, endures }) in all.iter_mut().zip(points) {
+            let (place, endures) = (*place, *endures);
+            *spot = self.unit.spot_again(place, endures);
             // 0 with a sign is kept without.
-            let same = kept.iter().zip(place).all(|(kept, given)| kept.to_bits() == (given + 0.0).to_bits());
-            if place.iter().all(|x| x.is_finite()) && !same {
-                return Err(SampleError::Unit { place, unit: self.unit.metres() });
+            let same = |(kept, given): (f32, f32)| kept.to_bits() == (given + 0.0).to_bits();
+            let kept = self.unit.place(*spot);
+            if place.iter().all(|x| x.is_finite()) && !kept.into_iter().zip(place).all(same) {
+                return Err(SampleError::Unit { place, unit: self.unit.of_samples() });
             }
-            if !same || endures(kept) < halvings {
-                return Err(SampleError::Place { place, halvings });
+            if !place.iter().all(|x| x.is_finite()) || spot.endures() != endures || endures < halvings {
+                return Err(SampleError::Place { place, endures, halvings });
             }
         }
         let (stripe, at) = home(cell);
-        self.stripes[stripe].put(at, &all[..places.len()], halvings);
+        self.stripes[stripe].put(at, &all[..points.len()], halvings);
         Ok(())
     }
 
@@ -148,14 +149,10 @@ impl Samples {
     fn merge_into(&self, stripe: &mut Stripe, at: usize, cell: u32) {
         let (from, there) = home(cell);
         let Some(halvings) = self.stripes[from].halvings(there) else { return };
-        let (packed, count) = self.sample(cell).packed();
-        let mut endure = [0; ROOM];
-        self.unit.endure(&packed, &mut endure);
-        for (place, endures) in packed.iter().zip(endure).take(count) {
-            stripe.push(at, *place, endures, self.unit);
-        }
+        let (spots, count) = self.sample(cell).spots();
+        spots.iter().take(count).for_each(|spot| stripe.push(at, *spot));
         // What was left out of it is left out of the whole.
-        stripe.halve(at, halvings, self.unit);
+        stripe.halve(at, halvings);
     }
 }
 
@@ -173,22 +170,23 @@ fn push(
     cells: impl Fn(usize) -> Option<u32>,
     places: &[Packed],
 ) {
-    let (mut endure, mut taken) = ([0; BATCH], [(0, 0); BATCH]);
+    let (mut spots, mut taken) = ([Spot::ZERO; BATCH], [(Spot::ZERO, 0); BATCH]);
     for (number, places) in places.chunks(BATCH).enumerate() {
-        unit.endure(places, &mut endure[..places.len()]);
-        // Whether a place stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
+        let spots = &mut spots[..places.len()];
+        unit.spots(places, spots);
+        // Whether a point stays cannot be predicted, and most cells are full: those which may are picked without a branch first, by what
         // is little and near.
         let mut count = 0;
-        for (at, endures) in (0_u32..).zip(&endure[..places.len()]) {
-            let Some(cell) = cells(number * BATCH + at as usize) else { continue };
+        for (at, spot) in (number * BATCH..).zip(&*spots) {
+            let Some(cell) = cells(at) else { continue };
             let (stripe, home) = home(cell);
-            let stripe = stripe.wrapping_sub(first);
-            taken[count] = (at, cell);
-            count += usize::from(stripes.get(stripe).is_some_and(|stripe| stripe.takes(home, *endures)));
+            taken[count] = (*spot, cell);
+            let stripe = stripes.get(stripe.wrapping_sub(first));
+            count += usize::from(stripe.is_some_and(|stripe| stripe.takes(home, *spot)));
         }
-        for (at, cell) in &taken[..count] {
-            let (at, (stripe, home)) = (*at as usize, home(*cell));
-            stripes[stripe - first].push(home, places[at], endure[at], unit);
+        for (spot, cell) in &taken[..count] {
+            let (stripe, home) = home(*cell);
+            stripes[stripe - first].push(home, *spot);
         }
     }
 }
@@ -204,11 +202,11 @@ mod tests {
     fn kept(samples: &Samples, cell: u32) -> Vec<[f32; 3]> {
         let kept: Vec<[f32; 3]> = samples.of(cell).collect();
         // Beside one of another unit, and one without points.
-        let mut other = Samples::new(0.5);
+        let mut other = Samples::new(0.5 / 128.0);
         other.push(0, [1.5, -2.0, 0.5]);
         let all = [other.sample(0), samples.sample(cell), Sample::EMPTY];
         let (mut places, mut starts) = (vec![[9.0; 3]; 2], vec![7]);
-        Sample::unpack(&all, &mut vec![[9; 3]], &mut places, &mut starts);
+        Sample::unpack(&all, &mut vec![Spot::ZERO], &mut places, &mut starts);
         let own = if kept.is_empty() { &[[0.0; 3]][..] } else { &kept };
         assert_eq!(places, [&[[1.5, -2.0, 0.5]], own, &[[0.0; 3]]].concat());
         assert_eq!(starts, [0, 1, 1 + own.len(), 2 + own.len()]);
@@ -229,6 +227,13 @@ mod tests {
         samples
     }
 
+    /// The place that a sample keeps of one: the nearest of those there are.
+    fn rounded(place: [f32; 3]) -> [f32; 3] {
+        let coarse = 128.0 * UNIT;
+        #[allow(clippy::cast_possible_truncation, reason = "whole multiples of a power of two")]
+        place.map(|x| (((f64::from(x) / coarse + 0.5).floor()).min(255.0) * coarse) as f32)
+    }
+
     /// The sample of a list that is kept whole, with its threshold.
     fn plain(places: &[[f32; 3]]) -> (Vec<[f32; 3]>, u8) {
         let unit = Unit::new(UNIT);
@@ -242,7 +247,11 @@ mod tests {
             }
             sample.truncate(MOST);
         }
-        (sample, halvings)
+        (sample.into_iter().map(rounded).collect(), halvings)
+    }
+
+    fn points(samples: &Samples, cell: u32) -> Vec<SampledPoint> {
+        samples.sample(cell).points().collect()
     }
 
     /// Places of which many are the same.
@@ -277,18 +286,26 @@ mod tests {
     fn what_is_no_sample_is_refused() {
         let mut samples = all(&[[0.25, 0.5, 0.125]; 3]);
         let before = sorted(&samples, 0);
+        let at = |place: [f32; 3], endures: u8| SampledPoint { place, endures };
         assert_eq!(samples.restore(0, &[], 32), Err(SampleError::Halvings { halvings: 32 }));
-        assert_eq!(samples.restore(0, &[[0.0; 3]; 17], 0), Err(SampleError::TooMany { places: 17 }));
-        assert!(matches!(samples.restore(0, &[[f32::NAN; 3]], 0), Err(SampleError::Place { .. })));
-        assert!(matches!(samples.restore(0, &[[f32::INFINITY; 3]], 0), Err(SampleError::Place { .. })));
-        for place in [[0.3, 0.0, 0.0], [0.0, 0.0, 1.0]] {
-            let error = SampleError::Unit { place, unit: samples.unit.metres() };
-            assert_eq!(samples.restore(0, &[[0.0; 3], place], 0), Err(error));
+        assert_eq!(samples.restore(0, &[at([0.0; 3], 0); 17], 0), Err(SampleError::TooMany { places: 17 }));
+        for strange in [f32::NAN, f32::INFINITY] {
+            let refused = samples.restore(0, &[at([strange; 3], 0)], 0);
+            assert!(matches!(refused, Err(SampleError::Place { endures: 0, halvings: 0, .. })));
         }
-        // Of one in two thousand million, hardly any place is one.
+        for place in [[0.3, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 64.0 / 32768.0, 0.0]] {
+            let error = SampleError::Unit { place, unit: 1.0 / 256.0 };
+            assert_eq!(samples.restore(0, &[at([0.0; 3], 0), at(place, 0)], 0), Err(error));
+        }
+        // Left out by the halvings, and more than there are.
         let place = [0.3125, 0.125, 0.25];
-        assert_eq!(samples.restore(0, &[place], 31), Err(SampleError::Place { place, halvings: 31 }));
+        for (endures, halvings) in [(30, 31), (32, 0), (255, 31)] {
+            let error = SampleError::Place { place, endures, halvings };
+            assert_eq!(samples.restore(0, &[at(place, endures)], halvings), Err(error));
+        }
         assert_eq!(sorted(&samples, 0), before);
+        assert_eq!(samples.restore(0, &[at(place, 31)], 31), Ok(()));
+        assert_eq!(points(&samples, 0), [at(place, 31)]);
         assert_eq!(samples.restore(5, &[], 31), Ok(()));
         assert_eq!((samples.of(5).count(), samples.halvings(5), samples.halvings(9)), (0, 31, 0));
     }
@@ -317,11 +334,11 @@ mod tests {
         fn a_sample_that_is_restored_goes_on_as_it_was(places in places(100), before in places(100), more in places(100)) {
             let mut first = all(&places);
             let mut again = all(&before);
-            prop_assert_eq!(again.restore(0, &kept(&first, 0), first.halvings(0)), Ok(()));
+            prop_assert_eq!(again.restore(0, &points(&first, 0), first.halvings(0)), Ok(()));
             for place in more {
                 first.push(0, place);
                 again.push(0, place);
-                prop_assert_eq!(kept(&first, 0), kept(&again, 0));
+                prop_assert_eq!(points(&first, 0), points(&again, 0));
             }
             prop_assert_eq!(first.halvings(0), again.halvings(0));
         }

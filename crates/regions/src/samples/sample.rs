@@ -2,12 +2,21 @@
 
 use super::stripe::{FEW, More, ROOM, all_of};
 use super::together::Together;
-use super::units::{Packed, Unit};
+use super::units::{Spot, Unit};
+
+/// A point of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampledPoint {
+    /// Where it is from the anchor of the cell's sums, in metres, as samples know it.
+    pub place: [f32; 3],
+    /// How many halvings of a sample it endures, from 0 to 31: its scrambled place is below 2³²⁻ʰ for so many as h.
+    pub endures: u8,
+}
 
 /// Some points of a cell: see [`Samples`](crate::Samples).
 #[derive(Debug, Clone, Copy)]
 pub struct Sample<'s> {
-    few: &'s [Packed; FEW],
+    few: &'s [Spot; FEW],
     more: &'s More,
     /// So many of the first, and of the others.
     count: u16,
@@ -20,8 +29,8 @@ pub struct Sample<'s> {
 impl<'s> Sample<'s> {
     /// That of a cell without points.
     pub const EMPTY: Self = Self {
-        few: &[[0; 3]; FEW],
-        more: &[[0; 3]; ROOM - FEW],
+        few: &[Spot::ZERO; FEW],
+        more: &[Spot::ZERO; ROOM - FEW],
         count: 0,
         unit: Unit::ONE,
         whole: 0,
@@ -29,15 +38,20 @@ impl<'s> Sample<'s> {
     };
 
     /// Of so many places, in two parts.
-    pub(super) fn of(few: &'s [Packed; FEW], more: &'s More, count: u16, unit: Unit) -> Self {
+    pub(super) fn of(few: &'s [Spot; FEW], more: &'s More, count: u16, unit: Unit) -> Self {
         Self { few, more, count, unit, ..Self::EMPTY }
     }
 
     /// Where the points are, from the anchor of the cell's sums, in metres.
     pub fn places(&self) -> impl Iterator<Item = [f32; 3]> + Clone + use<'s> {
+        self.points().map(|point| point.place)
+    }
+
+    /// The points.
+    pub fn points(&self) -> impl Iterator<Item = SampledPoint> + Clone + use<'s> {
         let unit = self.unit;
-        let packed = self.few.iter().chain(self.more).take(self.count.into());
-        packed.map(move |packed| unit.unpacked(*packed))
+        let point = move |spot: &Spot| SampledPoint { place: unit.place(*spot), endures: spot.endures() };
+        self.few.iter().chain(self.more).take(self.count.into()).map(point)
     }
 
     /// The samples of the parts of a cell, or its own if it has no parts, each with the number of points that it is of: those of the cell
@@ -70,14 +84,14 @@ impl<'s> Sample<'s> {
         self.count == 0
     }
 
-    /// All that there may be, and how many of them are places of points.
-    pub(super) fn packed(&self) -> ([Packed; ROOM], usize) {
+    /// All that there may be, and how many of them are points.
+    pub(super) fn spots(&self) -> ([Spot; ROOM], usize) {
         (all_of(self.few, self.more), self.count.into())
     }
 
-    /// Appends the packed places to a list.
+    /// Appends the points to a list.
     #[inline]
-    fn append(&self, to: &mut Vec<Packed>) {
+    fn append(&self, to: &mut Vec<Spot>) {
         // All that there may be: a number that is known beforehand is faster than a smaller one.
         let after = to.len() + usize::from(self.count);
         to.extend_from_slice(self.few);
@@ -86,31 +100,31 @@ impl<'s> Sample<'s> {
     }
 
     /// Puts the places of samples one after the other, one place of zeroes for a sample without, and tells where each begins and the last
-    /// ends. `packed` is memory to work with: many are unpacked at once.
+    /// ends. `spots` is memory to work with: many are unpacked at once.
     pub(crate) fn unpack(
         samples: &[Self],
-        packed: &mut Vec<Packed>,
+        spots: &mut Vec<Spot>,
         places: &mut Vec<[f32; 3]>,
         starts: &mut Vec<usize>,
     ) {
-        packed.clear();
+        spots.clear();
         starts.clear();
         for sample in samples {
-            starts.push(packed.len());
-            sample.append(packed);
+            starts.push(spots.len());
+            sample.append(spots);
             if sample.is_empty() {
-                packed.push([0; 3]);
+                spots.push(Spot::ZERO);
             }
         }
-        starts.push(packed.len());
-        places.resize(packed.len(), [0.0; 3]);
+        starts.push(spots.len());
+        places.resize(spots.len(), [0.0; 3]);
         let mut first = 0;
         // Mostly all have one unit.
         for of_unit in samples.chunk_by(|a, b| a.unit == b.unit) {
             let range = starts[first]..starts[first + of_unit.len()];
             first += of_unit.len();
             if let Some(sample) = of_unit.first() {
-                sample.unit.unpack(&packed[range.clone()], &mut places[range]);
+                sample.unit.places(&spots[range.clone()], &mut places[range]);
             }
         }
     }

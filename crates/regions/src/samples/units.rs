@@ -1,4 +1,4 @@
-//! Places in whole units of 16 bits, and where they look drawn at random.
+//! Places in whole units of 16 bits, where they look drawn at random, and what samples keep of them.
 
 /// Added to a number of up to 22 bits it rounds it to an integer, which is in the lowest bits then.
 const ROUNDING: f32 = 1.5 * (1_u32 << 23) as f32;
@@ -15,24 +15,89 @@ const TURN: [[u32; 3]; LANES] = [[0, 11, 22]; LANES];
 /// A place in whole units.
 pub(crate) type Packed = [i16; 3];
 
-/// What places are whole multiples of, in metres, and its inverse.
+/// Bits that a sample keeps of a coordinate of 16, and the number of the others.
+const KEPT: u32 = 9;
+const DROPPED: u32 = 16 - KEPT;
+/// Where those of each coordinate are in a [`Spot`], and by how much it is turned left until they are the highest.
+const SHIFT: [u32; 3] = [2 * KEPT, KEPT, 0];
+const SHIFTS: [[u32; 3]; LANES] = [SHIFT; LANES];
+const LEFT: [u32; 3] = [32 - 3 * KEPT, 32 - 2 * KEPT, 32 - KEPT];
+const LEFTS: [[u32; 3]; LANES] = [LEFT; LANES];
+/// Where it is told how many halvings it endures.
+const ENDURES: u32 = 3 * KEPT;
+/// The most that is told.
+pub(super) const MOST_ENDURED: u8 = 31;
+
+/// A point as a sample keeps it: where it is, to nine bits a coordinate, and, in the highest bits, how many halvings it endures by its
+/// place to 16.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(crate) struct Spot(u32);
+
+impl Spot {
+    /// At the anchor.
+    pub(super) const ZERO: Self = Self(0);
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    pub(super) fn endures(self) -> u8 {
+        (self.0 >> ENDURES) as u8
+    }
+
+    fn of(packed: Packed, endures: u8) -> Self {
+        let [x, y, z] = packed.map(coarse);
+        let [i, j, k] = SHIFT;
+        Self(u32::from(endures.min(MOST_ENDURED)) << ENDURES | x << i | y << j | z << k)
+    }
+}
+
+/// The kept bits of a coordinate, rounded to the nearest there is.
+// Into what it is dispatched to.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn coarse(x: i16) -> u32 {
+    let rounded = x.saturating_add(1 << (DROPPED - 1)) >> DROPPED;
+    u32::from(rounded.cast_unsigned()) & ((1 << KEPT) - 1)
+}
+
+/// What places are whole multiples of, in metres, its inverse, and what those of samples are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unit {
-    unit: f32,
-    per_unit: f32,
+    metres: f32,
+    per_metre: f32,
+    coarse: f32,
 }
 
 impl Unit {
-    pub(super) const ONE: Self = Self { unit: 1.0, per_unit: 1.0 };
+    pub(super) const ONE: Self = Self { metres: 1.0, per_metre: 1.0, coarse: (1 << DROPPED) as f32 };
 
     // Powers of two are the same in single precision, for cells of any size that is of use.
     #[allow(clippy::cast_possible_truncation)]
     pub(super) fn new(unit: f64) -> Self {
-        Self { unit: unit as f32, per_unit: (1.0 / unit) as f32 }
+        let of_samples = unit * f64::from(1 << DROPPED);
+        Self { metres: unit as f32, per_metre: (1.0 / unit) as f32, coarse: of_samples as f32 }
     }
 
-    pub(super) fn metres(self) -> f32 {
-        self.unit
+    /// What the places of samples are whole multiples of, in metres.
+    pub(super) fn of_samples(self) -> f32 {
+        self.coarse
+    }
+
+    /// What a sample keeps of a place.
+    pub(super) fn spot(self, place: [f32; 3]) -> Spot {
+        let packed = self.packed(place);
+        Spot::of(packed, endures(self.unpacked(packed)))
+    }
+
+    /// A point that a sample kept, from what [`place`](Self::place) and [`Spot::endures`] tell of it. Another place is rounded.
+    pub(super) fn spot_again(self, place: [f32; 3], endures: u8) -> Spot {
+        Spot::of(self.packed(place), endures)
+    }
+
+    /// Where a point of a sample is, in metres.
+    #[inline]
+    pub(super) fn place(self, Spot(bits): Spot) -> [f32; 3] {
+        LEFT.map(|left| self.coarse * whole(bits << left))
     }
 
     pub(super) fn packed(self, place: [f32; 3]) -> Packed {
@@ -43,15 +108,12 @@ impl Unit {
     #[allow(clippy::inline_always)]
     #[inline(always)]
     pub(super) fn unpacked(self, packed: Packed) -> [f32; 3] {
-        packed.map(|x| f32::from(x) * self.unit)
+        packed.map(|x| f32::from(x) * self.metres)
     }
 
-    /// Unpacks many places, several at a time, into a list of as many.
-    pub(super) fn unpack(self, packed: &[Packed], to: &mut [[f32; 3]]) {
-        pulp::Arch::new().dispatch(|| {
-            let all = packed.as_flattened().iter().zip(to.as_flattened_mut());
-            all.for_each(|(packed, x)| *x = f32::from(*packed) * self.unit);
-        });
+    /// Where many points of samples are, several at a time, into a list of as many.
+    pub(super) fn places(self, spots: &[Spot], to: &mut [[f32; 3]]) {
+        pulp::Arch::new().dispatch(Places { unit: self, spots, to });
     }
 
     /// A coordinate in units, the nearest of 16 bits.
@@ -60,34 +122,36 @@ impl Unit {
     #[inline(always)]
     fn rounded(self, x: f32) -> i16 {
         // What is no number is as far as can be: `max` gives the other.
-        let units = (x * self.per_unit).max(f32::from(i16::MIN)).min(f32::from(i16::MAX)) + ROUNDING;
+        let units = (x * self.per_metre).max(f32::from(i16::MIN)).min(f32::from(i16::MAX)) + ROUNDING;
         // The lowest bits are the integer.
         #[allow(clippy::cast_possible_truncation)]
         let packed = units.to_bits() as u16;
         packed.cast_signed()
     }
 
-    /// [`endures`], of places that fill whole vectors: coordinate by coordinate as they lie, and together only then.
+    /// [`Spot::of`], of places that fill whole vectors: coordinate by coordinate as they lie, and together only then.
     // Into what it is dispatched to.
     #[allow(clippy::inline_always)]
     #[inline(always)]
-    fn endure_all(self, packed: &[Packed; LANES]) -> [u8; LANES] {
-        let mut each = [[0; 3]; LANES];
+    fn spots_of_all(self, packed: &[Packed; LANES]) -> [Spot; LANES] {
+        let (mut each, mut kept) = ([[0; 3]; LANES], [[0; 3]; LANES]);
         let places = each.as_flattened_mut().iter_mut().zip(packed.as_flattened());
         let spread = SPREAD.as_flattened().iter().zip(TURN.as_flattened());
         for ((to, packed), (spread, turn)) in places.zip(spread) {
-            let product = (f32::from(*packed) * self.unit).to_bits().wrapping_mul(*spread);
+            let product = (f32::from(*packed) * self.metres).to_bits().wrapping_mul(*spread);
             // Turned left by so many bits, none too.
             *to = product << turn | product >> 1 >> (31 - turn);
         }
-        let mut halvings = [0; LANES];
-        for (to, [x, y, z]) in halvings.iter_mut().zip(&each) {
-            // No number has more than 32 bits.
-            #[allow(clippy::cast_possible_truncation)]
-            let zeros = mixed(x ^ y ^ z).leading_zeros() as u8;
-            *to = zeros;
+        let places = kept.as_flattened_mut().iter_mut().zip(packed.as_flattened());
+        for ((to, packed), shift) in places.zip(SHIFTS.as_flattened()) {
+            *to = coarse(*packed) << shift;
         }
-        halvings
+        let mut spots = [Spot::ZERO; LANES];
+        for ((Spot(to), [x, y, z]), [i, j, k]) in spots.iter_mut().zip(&each).zip(&kept) {
+            let endures = mixed(x ^ y ^ z).leading_zeros().min(MOST_ENDURED.into());
+            *to = endures << ENDURES | i | j | k;
+        }
+        spots
     }
 
     /// Packs places, several at a time, and appends them.
@@ -102,20 +166,20 @@ impl Unit {
         }
     }
 
-    /// How many halvings places [endure](endures), several at a time.
-    pub(super) fn endure(self, packed: &[Packed], to: &mut [u8]) {
-        pulp::Arch::new().dispatch(Endure { unit: self, packed, to });
+    /// What samples keep of places, several at a time, into a list of as many.
+    pub(super) fn spots(self, packed: &[Packed], to: &mut [Spot]) {
+        pulp::Arch::new().dispatch(Spots { unit: self, packed, to });
     }
 }
 
-/// [`Unit::endure`], in whole vectors.
-struct Endure<'a> {
+/// [`Unit::spots`], in whole vectors.
+struct Spots<'a> {
     unit: Unit,
     packed: &'a [Packed],
-    to: &'a mut [u8],
+    to: &'a mut [Spot],
 }
 
-impl pulp::WithSimd for Endure<'_> {
+impl pulp::WithSimd for Spots<'_> {
     type Output = ();
 
     // Into what it is dispatched to.
@@ -126,12 +190,50 @@ impl pulp::WithSimd for Endure<'_> {
         let (all, rest) = packed.as_chunks::<LANES>();
         let (to_all, to_rest) = to.as_chunks_mut::<LANES>();
         for (to, packed) in to_all.iter_mut().zip(all) {
-            *to = unit.endure_all(packed);
+            *to = unit.spots_of_all(packed);
         }
         for (to, packed) in to_rest.iter_mut().zip(rest) {
-            *to = endures(unit.unpacked(*packed));
+            *to = Spot::of(*packed, endures(unit.unpacked(*packed)));
         }
     }
+}
+
+/// [`Unit::places`], in whole vectors.
+struct Places<'a> {
+    unit: Unit,
+    spots: &'a [Spot],
+    to: &'a mut [[f32; 3]],
+}
+
+impl pulp::WithSimd for Places<'_> {
+    type Output = ();
+
+    // Into what it is dispatched to.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { unit, spots, to } = self;
+        let (all, rest) = spots.as_chunks::<LANES>();
+        let (to_all, to_rest) = to.as_chunks_mut::<LANES>();
+        for (to, spots) in to_all.iter_mut().zip(all) {
+            let each = spots.map(|Spot(bits)| [bits; 3]);
+            let coordinates = to.as_flattened_mut().iter_mut().zip(each.as_flattened());
+            for ((x, bits), left) in coordinates.zip(LEFTS.as_flattened()) {
+                *x = unit.coarse * whole(bits << left);
+            }
+        }
+        for (to, spot) in to_rest.iter_mut().zip(rest) {
+            *to = unit.place(*spot);
+        }
+    }
+}
+
+/// The integer in the highest bits.
+// Into what it is dispatched to; it has nine bits.
+#[allow(clippy::inline_always, clippy::cast_precision_loss)]
+#[inline(always)]
+fn whole(bits: u32) -> f32 {
+    (bits.cast_signed() >> (32 - KEPT)) as f32
 }
 
 /// How often the threshold can be halved, from 2³² on, before the scrambled place is no longer below it.
@@ -188,18 +290,27 @@ mod tests {
             unit in (-13.0..0.0_f64).prop_map(f64::exp2),
         ) {
             let unit = Unit::new(unit);
-            let (mut all, mut some) = (vec![[7; 3]], [0; 40]);
+            let (mut all, mut some, mut rounded) = (vec![[7; 3]], [Spot::ZERO; 40], [[0.0; 3]; 40]);
             unit.pack(&places, &mut all);
-            unit.endure(&all[1..], &mut some[..places.len()]);
+            unit.spots(&all[1..], &mut some[..places.len()]);
+            unit.places(&some, &mut rounded);
             for (at, place) in places.iter().enumerate() {
                 let packed = unit.packed(*place);
                 prop_assert_eq!(all[at + 1], packed);
                 let near = unit.unpacked(packed);
                 prop_assert_eq!(unit.packed(near), packed);
-                prop_assert_eq!(some[at], endures(near));
+                let spot = unit.spot(*place);
+                prop_assert_eq!((some[at], spot.endures()), (spot, endures(near).min(MOST_ENDURED)));
+                prop_assert_eq!(rounded[at].map(f32::to_bits), unit.place(spot).map(f32::to_bits));
+                prop_assert_eq!(unit.spot_again(rounded[at], spot.endures()), spot);
+                for (x, near) in near.iter().zip(rounded[at]) {
+                    // Half of what samples keep, or a whole at the end of what there is.
+                    let most = if *x > 32700.0 * unit.metres { 1.01 } else { 0.51 };
+                    prop_assert!((x - near).abs() <= most * unit.of_samples());
+                }
                 for (x, near) in place.iter().zip(near) {
                     // A unit that is no power of two is rounded itself.
-                    prop_assert!((x - near).abs() <= 0.51 * unit.metres());
+                    prop_assert!((x - near).abs() <= 0.51 * unit.metres);
                 }
             }
         }
