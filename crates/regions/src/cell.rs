@@ -35,6 +35,12 @@ pub trait Cells: Sync {
     /// See [`Cell::stats`].
     fn stats(&self, at: usize) -> Stats;
 
+    /// Whether all cells that are not wide are told about the middle of the wide cell whose part they are, and have all their points in their own
+    /// cube: then it is known better which planes can reach them.
+    fn are_parts(&self) -> bool {
+        false
+    }
+
     /// That the sums of a cell are asked for soon: a chance to have its memory brought.
     fn fetch(&self, _at: usize) {}
 }

@@ -18,11 +18,19 @@ pub(crate) struct Cube {
 
 impl Cube {
     pub(crate) fn of(field: &Field, cell: usize, anchor: DVec3) -> Self {
-        // The anchor of a wide cell is its middle. The points of others are no farther from their mean than the cell is wide.
-        let middle = if field.is_wide(cell) { DVec3::ZERO } else { field.cells[cell].mean - anchor };
+        let (middle, half) = if field.is_wide(cell) {
+            // The anchor of a wide cell is its middle.
+            (DVec3::ZERO, field.edge)
+        } else if field.are_parts {
+            let half = 0.5 * field.edge;
+            (DVec3::from(field.keys[cell].map(|k| if k & 1 == 0 { -half } else { half })), half)
+        } else {
+            // Points are no farther from their mean than the cell is wide.
+            (field.cells[cell].mean - anchor, field.edge)
+        };
         // As places are.
         #[allow(clippy::cast_possible_truncation)]
-        let (middle, half) = (middle.to_array().map(|x| x as f32), field.edge as f32);
+        let (middle, half) = (middle.to_array().map(|x| x as f32), half as f32);
         Self { middle, half }
     }
 

@@ -55,6 +55,8 @@ pub struct Field {
     /// What places of points of each cell are relative to.
     pub(crate) anchors: Vec<DVec3>,
     pub(crate) keys: Vec<[i32; 3]>,
+    /// See [`Cells::are_parts`].
+    pub(crate) are_parts: bool,
     /// What the curve goes out from.
     corner: [i32; 3],
     /// Whether each is as large as a group of the next level, and alone in it; empty where none is.
@@ -141,6 +143,7 @@ impl Field {
             cells: sums,
             anchors,
             keys,
+            are_parts: given.are_parts(),
             corner,
             wide,
             levels,

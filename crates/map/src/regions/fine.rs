@@ -1,6 +1,6 @@
 //! The fine cells, as regions take them.
 
-use terrace_grid::{CellId, VoxelGrid};
+use terrace_grid::{Assignment, CellId, VoxelGrid};
 use terrace_regions::{
     Cells, Field, Found, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together,
 };
@@ -216,6 +216,11 @@ impl Cells for OfGrid<'_> {
 
     fn stats(&self, at: usize) -> Stats {
         self.fine.stats(self.grid, at).unwrap_or(Stats::new([0.0; 3]))
+    }
+
+    // Points are added to the cell of the voxel that they lie in.
+    fn are_parts(&self) -> bool {
+        self.grid.assignment() == Assignment::Voxel
     }
 
     fn fetch(&self, at: usize) {
