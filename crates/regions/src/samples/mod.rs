@@ -1,6 +1,7 @@
 //! Some points of each cell.
 
 mod sample;
+mod spot;
 mod stripe;
 mod together;
 mod units;
@@ -12,8 +13,8 @@ use stripe::{MOST, MOST_HALVINGS, Stripe};
 use units::{Packed, Unit};
 
 pub use sample::{Sample, SampledPoint};
+pub(crate) use spot::Spot;
 pub use together::{PartOf, Together};
-pub(crate) use units::Spot;
 
 const STRIPES: usize = 8;
 /// Points whose places are scrambled at once.
@@ -193,7 +194,7 @@ fn push(
 
 #[cfg(test)]
 mod tests {
-    use super::units::scrambled;
+    use super::units::endures;
     use super::*;
     use proptest::prelude::*;
 
@@ -240,10 +241,10 @@ mod tests {
         let (mut sample, mut halvings): (Vec<[f32; 3]>, u8) = (Vec::new(), 0);
         for place in places.iter().map(|place| unit.unpacked(unit.packed(*place))) {
             sample.push(place);
-            sample.retain(|place| scrambled(*place) <= u32::MAX >> halvings);
+            sample.retain(|place| endures(*place) >= u32::from(halvings));
             while sample.len() > MOST && halvings < MOST_HALVINGS {
                 halvings += 1;
-                sample.retain(|place| scrambled(*place) <= u32::MAX >> halvings);
+                sample.retain(|place| endures(*place) >= u32::from(halvings));
             }
             sample.truncate(MOST);
         }

@@ -1,8 +1,9 @@
 //! The sample of one cell.
 
+use super::spot::Spot;
 use super::stripe::{FEW, More, ROOM, all_of};
 use super::together::Together;
-use super::units::{Spot, Unit};
+use super::units::Unit;
 
 /// A point of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]

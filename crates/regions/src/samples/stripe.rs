@@ -1,7 +1,8 @@
 //! Samples of some of the cells, in memory.
 
 use super::sample::Sample;
-use super::units::{Spot, Unit};
+use super::spot::Spot;
+use super::units::Unit;
 
 /// So many points of a cell are kept at most.
 pub(super) const MOST: usize = 16;
