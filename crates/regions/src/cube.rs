@@ -56,8 +56,66 @@ impl Cube {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+
     use super::*;
+    use crate::{Cell, Cells};
     use proptest::prelude::*;
+    use terrace_stats::{Stats, UncertainVector};
+
+    const EDGE: f64 = 0.3;
+
+    /// Cells that are told about the middle of the wide cell whose part they are.
+    struct Parts(Vec<Cell>);
+
+    impl Cells for Parts {
+        fn count(&self) -> usize {
+            self.0.len()
+        }
+
+        fn key(&self, at: usize) -> [i32; 3] {
+            self.0[at].key
+        }
+
+        fn is_wide(&self, at: usize) -> bool {
+            self.0[at].is_wide
+        }
+
+        fn stats(&self, at: usize) -> Stats {
+            self.0[at].stats
+        }
+
+        fn are_parts(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn the_cube_of_a_part_is_an_eighth_of_the_wide_cell() {
+        // All parts of a wide cell with a point near one corner each, and a wide cell beside.
+        let middle = [-EDGE, EDGE, 5.0 * EDGE];
+        let part = |k: i32| {
+            let key = [k >> 2, k >> 1 & 1, k & 1];
+            let mut stats = Stats::new(middle);
+            let place = key.map(|k| if k == 0 { -0.99 } else { 0.01 } * EDGE);
+            stats.push(&UncertainVector::exact([0, 1, 2].map(|i| middle[i] + place[i])));
+            Cell { key: [key[0] - 2, key[1], key[2] + 4], is_wide: false, stats }
+        };
+        let mut wide = Stats::new([EDGE, EDGE, 5.0 * EDGE]);
+        wide.push(&UncertainVector::exact([0.0, 0.0, 4.0 * EDGE]));
+        let beside = Cell { key: [0, 0, 4], is_wide: true, stats: wide };
+        let cells: Vec<Cell> = (0..8).map(part).chain([beside]).collect();
+        let field = Field::of_each(&Parts(cells), EDGE).unwrap();
+        for (cell, anchor) in field.anchors.iter().enumerate() {
+            let Cube { middle, half } = Cube::of(&field, cell, *anchor);
+            let own = (field.cells[cell].mean - *anchor).to_array();
+            let off = (0..3).map(|i| (own[i] - f64::from(middle[i])).abs());
+            let farthest = off.fold(0.0, f64::max);
+            let expected = if field.is_wide(cell) { [EDGE, EDGE] } else { [0.5 * EDGE, 0.49 * EDGE] };
+            let found = [f64::from(half), farthest];
+            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-6), "{found:?} {expected:?}");
+        }
+    }
 
     #[test]
     fn a_plane_beside_a_cube_is_beyond() {
