@@ -26,8 +26,8 @@ const BATCH: usize = 128;
 /// are below a threshold, which is halved until no more than sixteen are left. So samples of parts of the points, cell by cell,
 /// [merge](Self::merge) into that of all. Cells of up to sixteen points have all of them.
 ///
-/// Scrambled is the place in whole units, three times 16 bits, and kept of it the first nine of each, so that a point of a sample takes four bytes:
-/// shares of points, and where they end, are not known so well. Cells of few points take less memory than those of many.
+/// Scrambled is the place in whole units, three times 16 bits. Kept are the first nine of each, which is enough to tell shares of points and
+/// where surfaces end, so that a point of a sample takes four bytes; and cells of few points take less memory than those of many.
 ///
 /// ```
 /// use terrace_regions::Samples;
