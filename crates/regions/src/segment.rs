@@ -94,7 +94,8 @@ pub struct Segmentation {
 /// Planes, found from the sums of cells and samples of their points.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The planes, those with most points first. Points are counted by the samples.
+    /// The planes, those with most points first. Points are counted by the samples, so that a plane may have a fiftieth less than are asked for
+    /// until they are [measured](Self::by_measures).
     pub regions: Vec<Region>,
     /// How many points of each cell are of which plane, by the samples, in the order of the cells.
     pub shares: Vec<Share>,

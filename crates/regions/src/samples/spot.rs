@@ -14,7 +14,7 @@ const MOST_ENDURED: u32 = 31;
 
 /// A point as a sample keeps it: where it is, to nine bits a coordinate, and, in the highest bits, how many halvings it endures by its
 /// place to 16.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Spot(u32);
 
 impl Spot {

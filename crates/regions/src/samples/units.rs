@@ -144,7 +144,13 @@ mod tests {
                 prop_assert_eq!(unit.packed(*place), *packed);
                 let near = unit.unpacked(*packed);
                 prop_assert_eq!(unit.packed(near), *packed);
-                prop_assert_eq!(unit.spread(&[*packed; LANES]).map(endured), [endures(near); LANES]);
+                let spread = unit.spread(&[*packed; LANES]);
+                let endured = endures(near);
+                prop_assert_eq!(spread.map(super::endured), [endured; LANES]);
+                // Below 2³² halved so often, and not below its half.
+                let scrambled = u64::from(scrambled(spread[0]));
+                prop_assert!(scrambled < 1 << 32 >> endured);
+                prop_assert!(2 * scrambled >= 1 << 32 >> endured || scrambled == 0);
                 for (x, near) in place.iter().zip(near) {
                     // A unit that is no power of two is rounded itself.
                     prop_assert!((x - near).abs() <= 0.51 * unit.metres);
