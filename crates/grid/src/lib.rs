@@ -56,7 +56,7 @@ mod part;
 mod slots;
 
 pub use assignment::Assignment;
-pub use bulk::{Motion, PointErrors, Taken};
+pub use bulk::{Locator, Motion, PointErrors, PointVoxels, Taken};
 pub use cell::{Cell, CellId};
 pub use dense::{Connectivity, DenseCells};
 pub use error::GridError;

@@ -5,7 +5,9 @@
 
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
-use terrace_grid::{Assignment, CellId, GridError, PointErrors, Taken, VoxelGrid, VoxelKey};
+use terrace_grid::{
+    Assignment, CellId, GridError, Motion, PointErrors, PointVoxels, Taken, VoxelGrid, VoxelKey,
+};
 use terrace_stats::{Moments, SymmetricMatrix3, UncertainVector};
 
 /// Errors that own their lists.
@@ -69,18 +71,26 @@ fn at_once(rule: Assignment, size: f64, points: &[[f64; 3]], errors: &Owned, thr
             PointErrors::Covariances(all) => PointErrors::Covariances(&all[range.clone()]),
             all => all,
         };
-        let alone = threads == 2 && range.start > 0;
-        let (points, places) = (&points[range], Some(&mut places));
+        let way = if range.start > 0 { threads } else { 1 };
+        let points = &points[range];
         let insert = || {
-            if !alone {
-                return grid.insert_all(points, errors, &mut cells, places);
+            if way == 1 {
+                return grid.insert_all(points, errors, &mut cells, Some(&mut places));
             }
             // From the other side of the origin.
             let turned: Vec<[f64; 3]> = points.iter().map(|point| point.map(|x| -x)).collect();
-            let turn = |from: &[[f64; 3]], to: &mut [[f64; 3]]| {
+            let turn: &Motion<'_> = &|from: &[[f64; 3]], to: &mut [[f64; 3]]| {
                 to.iter_mut().zip(from).for_each(|(to, from)| *to = from.map(|x| -x));
             };
-            grid.insert_alone(&turned, Some(&turn), errors, &mut cells, places)
+            let Some(locator) = grid.locator().filter(|_| way == 3) else {
+                return grid.insert_alone(&turned, Some(turn), errors, &mut cells, Some(&mut places));
+            };
+            // In memory that was used before, for more points and for those of a part of them that cannot be inserted.
+            let mut voxels = PointVoxels::default();
+            locator.locate(&vec![[f64::NAN, 0.0, 1.0]; 1000], None, PointErrors::Same(0.01), &mut voxels)?;
+            locator.locate(&turned, Some(turn), errors, &mut voxels)?;
+            places.extend_from_slice(voxels.places());
+            grid.insert_located(&voxels, (&turned, Some(turn)), errors, &mut cells)
         };
         pool.install(insert).unwrap()
     });
@@ -279,6 +289,26 @@ fn one_by_one_and_at_once_in_turn() {
 }
 
 #[test]
+fn voxels_of_another_grid_or_of_other_points_are_found_again() {
+    let points = walls(1000, 7);
+    let mut expected = VoxelGrid::new(0.1, Assignment::Voxel).unwrap();
+    let mut cells = Vec::new();
+    let taken = expected.insert_all(&points, PointErrors::Same(0.01), &mut cells, None).unwrap();
+    let other = VoxelGrid::of_halves(0.2).unwrap();
+    for (locator, points_of) in [(other.locator(), 1000), (expected.locator(), 999), (None, 0)] {
+        let mut grid = VoxelGrid::new(0.1, Assignment::Voxel).unwrap();
+        let (mut voxels, mut found) = (PointVoxels::default(), Vec::new());
+        if let Some(locator) = locator {
+            locator.locate(&points[..points_of], None, PointErrors::None, &mut voxels).unwrap();
+        }
+        let inserted = grid.insert_located(&voxels, (&points, None), PointErrors::Same(0.01), &mut found);
+        assert_eq!((inserted, &found), (Ok(taken), &cells));
+        assert_eq!(sums(&grid), sums(&expected));
+    }
+    assert!(VoxelGrid::new(0.1, Assignment::ExpectedDistance).unwrap().locator().is_none());
+}
+
+#[test]
 fn as_many_errors_as_points() {
     let points = [[0.0; 3]; 3];
     let mut grid = VoxelGrid::new(0.1, Assignment::Voxel).unwrap();
@@ -290,6 +320,12 @@ fn as_many_errors_as_points() {
     ] {
         let refused = grid.insert_all(&points, errors, &mut cells, None);
         assert_eq!(refused, Err(GridError::Lengths { points: 3, errors: given }));
+        let mut voxels = PointVoxels::default();
+        let locator = grid.locator().unwrap();
+        locator.locate(&points, None, PointErrors::None, &mut voxels).unwrap();
+        assert_eq!(grid.insert_located(&voxels, (&points, None), errors, &mut cells), refused);
+        assert_eq!(locator.locate(&points, None, errors, &mut voxels).err(), refused.err());
+        assert_eq!(voxels.places().len(), 3);
     }
     assert!(grid.is_empty() && cells.is_empty());
     assert_eq!(grid.insert_all(&[], PointErrors::None, &mut cells, None), Ok(Taken::default()));

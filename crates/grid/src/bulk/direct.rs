@@ -1,9 +1,9 @@
 //! Points into their cells as they come.
 
+use super::batch::Batch;
 use super::locate::{BATCH, Located};
-use super::present::Present;
 use super::split::Split;
-use super::{Chunk, Motion, Taken, sums};
+use super::{Chunk, Motion, PointErrors, Taken, sums};
 use crate::ahead::Ahead;
 use crate::block::{BlockKey, RECENT};
 use crate::grid::Home;
@@ -15,6 +15,19 @@ const LOOKS: usize = 16;
 const SPARSE: usize = 16;
 /// Points are in order when so few of them, at most one in so many, are in a block that was not met just before.
 const IN_ORDER: usize = 8;
+
+/// What finds the cells of a batch, kept from one to the next.
+struct Finder {
+    split: Split,
+    homes: [Home; BATCH],
+    found: [Option<CellId>; BATCH],
+}
+
+impl Finder {
+    fn new() -> Self {
+        Self { split: Split::new(), homes: [Home::default(); BATCH], found: [None; BATCH] }
+    }
+}
 
 impl VoxelGrid {
     /// Whether most points are near those before, as in the order of a scan, by looking at two thousand of them.
@@ -50,55 +63,74 @@ impl VoxelGrid {
         mut places: Option<&mut Vec<[i16; 3]>>,
     ) -> Taken {
         let mut taken = Taken::default();
-        let (mut located, mut split) = (Located::new(), Split::new());
-        let mut homes = [Home::default(); BATCH];
-        let mut found = [None; BATCH];
-        let mut present = Present::new();
+        let (mut batch, mut finder) = (Batch::new(), Finder::new());
         let (lattice, ahead) = (self.lattice, Ahead::new());
         let mut moved = [[0.0; 3]; BATCH];
-        for (batch, points) in chunk.points.chunks(BATCH).enumerate() {
-            let begin = batch * BATCH;
-            let moved = &mut moved[..points.len()];
-            let points = motion.map_or(points, |motion| {
-                motion(points, moved);
-                moved
-            });
+        for (number, points) in chunk.points.chunks(BATCH).enumerate() {
+            let begin = number * BATCH;
             let next = chunk.points.get(begin + BATCH..).unwrap_or(&[]);
             chunk.errors.fetch(begin + BATCH..begin + BATCH + next.len().min(BATCH), ahead);
             let errors = chunk.errors.part(begin..begin + points.len());
-            let inside = located.locate(points, lattice);
-            let all = inside && errors.are_valid();
-            if !all {
-                located.refuse(points, &errors, lattice, &mut taken);
-            }
+            batch.locate(points, (motion, &mut moved), &errors, lattice, &mut taken);
             if let Some(places) = &mut places {
-                places.extend_from_slice(&located.places[..points.len()]);
+                places.extend_from_slice(batch.places());
             }
-            let left = if all { points.len() } else { present.gather(&mut located, points.len(), &errors) };
-            let (homes, found) = (&mut homes[..left], &mut found[..left]);
-            split.split(&located.keys[..left]);
-            let keys = located.keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
-            for (at, ((((key, block), recent), place), (home, found))) in
-                keys.zip(homes.iter_mut().zip(&mut *found)).enumerate()
-            {
-                if let Some(next) = next.get(at) {
-                    ahead.fetch(next);
-                }
-                match self.met(*block, *recent as usize, *place as usize) {
-                    Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
-                    None => *found = self.founded_at(*key, home),
-                }
-            }
-            let of_left = if all { errors } else { present.errors(&errors) };
-            sums::add_each(&mut self.parts, homes, &located.local, &of_left);
-            taken.points += left;
-            if all {
-                cells.extend_from_slice(found);
-            } else {
-                cells.extend_from_slice(&present.spread(found)[..points.len()]);
-            }
+            taken.points += self.insert_batch(&batch, &mut finder, &errors, next, cells);
         }
         taken
+    }
+
+    /// As [`insert_in_order`](Self::insert_in_order), of points whose voxels were found before; tells how many are inserted.
+    #[inline(never)]
+    pub(super) fn insert_batches(
+        &mut self,
+        batches: &[Batch],
+        errors: &PointErrors<'_>,
+        cells: &mut Vec<Option<CellId>>,
+    ) -> usize {
+        let mut finder = Finder::new();
+        let mut points = 0;
+        let mut begin = 0;
+        for batch in batches {
+            let errors = errors.part(begin..begin + batch.len());
+            points += self.insert_batch(batch, &mut finder, &errors, &[], cells);
+            begin += batch.len();
+        }
+        points
+    }
+
+    /// Adds the points of a batch, of which these are all errors, that can be inserted; tells how many. The memory of those that come
+    /// `next` is asked for meanwhile.
+    #[allow(clippy::inline_always, reason = "a loop that knows its caller")]
+    #[inline(always)]
+    fn insert_batch(
+        &mut self,
+        batch: &Batch,
+        finder: &mut Finder,
+        errors: &PointErrors<'_>,
+        next: &[[f64; 3]],
+        cells: &mut Vec<Option<CellId>>,
+    ) -> usize {
+        let ahead = Ahead::new();
+        let keys = batch.keys();
+        let Finder { split, homes, found } = finder;
+        let (homes, found) = (&mut homes[..keys.len()], &mut found[..keys.len()]);
+        split.split(keys);
+        let with_places = keys.iter().zip(&split.blocks).zip(&split.recent).zip(&split.places);
+        for (at, ((((key, block), recent), place), (home, found))) in
+            with_places.zip(homes.iter_mut().zip(&mut *found)).enumerate()
+        {
+            if let Some(next) = next.get(at) {
+                ahead.fetch(next);
+            }
+            match self.met(*block, *recent as usize, *place as usize) {
+                Some(met) => (*home, *found) = (met, Some(self.id_of(met))),
+                None => *found = self.founded_at(*key, home),
+            }
+        }
+        sums::add_each(&mut self.parts, homes, batch.local(), &batch.errors(errors));
+        batch.append(found, cells);
+        keys.len()
     }
 
     /// Finds or founds the cell of a voxel, and tells where it is kept.

@@ -25,13 +25,19 @@ pub enum PointErrors<'a> {
 
 impl PointErrors<'_> {
     /// For how many points there are errors; `None` if for any number.
-    pub(super) fn len(&self) -> Option<usize> {
+    fn len(&self) -> Option<usize> {
         match self {
             Self::None | Self::Same(_) => None,
             Self::Each(sigmas) => Some(sigmas.len()),
             Self::Axes(sigmas) => Some(sigmas.len()),
             Self::Covariances(covariances) => Some(covariances.len()),
         }
+    }
+
+    /// Whether there are errors for so many points.
+    pub(super) fn require(&self, points: usize) -> Result<(), GridError> {
+        let errors = self.len().filter(|errors| *errors != points);
+        errors.map_or(Ok(()), |errors| Err(GridError::Lengths { points, errors }))
     }
 
     /// Those of some of the points.

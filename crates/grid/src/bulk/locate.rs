@@ -16,6 +16,7 @@ pub(super) const NOWHERE: VoxelKey = [OUTSIDE; 3];
 const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
 
 /// The voxels of up to [`BATCH`] points, and where the points are from their centres.
+#[derive(Debug)]
 pub(super) struct Located {
     /// What is out of range has such a coordinate: see [`is_outside`].
     pub(super) keys: [VoxelKey; BATCH],

@@ -1,6 +1,7 @@
 //! Many points at once.
 
 mod add;
+mod batch;
 mod direct;
 mod errors;
 mod find;
@@ -9,6 +10,7 @@ mod present;
 mod section;
 mod split;
 mod sums;
+mod voxels;
 
 use rayon::prelude::*;
 
@@ -16,6 +18,7 @@ use self::add::Share;
 pub use self::errors::PointErrors;
 pub(crate) use self::locate::unit_of;
 use self::section::{SECTION, Section, Targets};
+pub use self::voxels::{Locator, PointVoxels};
 use crate::block::PARTS;
 use crate::cell::CellId;
 use crate::grid::{Home, MOST_CELLS};
@@ -26,7 +29,7 @@ const CHUNK: usize = 1 << 21;
 
 /// Takes points, some at a time, from where they are told to where they are in the grid: from the frame of a sensor into that of the world.
 /// It is given as many places to put them.
-pub type Motion<'a> = dyn Fn(&[[f64; 3]], &mut [[f64; 3]]) + 'a;
+pub type Motion<'a> = dyn Fn(&[[f64; 3]], &mut [[f64; 3]]) + Sync + 'a;
 
 /// What became of points that were inserted together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -103,6 +106,11 @@ impl VoxelGrid {
         self.insert_by(true, (points, motion), errors, cells, places)
     }
 
+    /// Whether so many more points cannot have too many cells.
+    fn has_room(&self, points: usize) -> bool {
+        self.len() + points <= MOST_CELLS
+    }
+
     fn insert_by(
         &mut self,
         alone: bool,
@@ -111,9 +119,7 @@ impl VoxelGrid {
         cells: &mut Vec<Option<CellId>>,
         mut places: Option<&mut Vec<[i16; 3]>>,
     ) -> Result<Taken, GridError> {
-        if let Some(errors) = errors.len().filter(|errors| *errors != points.len()) {
-            return Err(GridError::Lengths { points: points.len(), errors });
-        }
+        errors.require(points.len())?;
         cells.reserve(points.len());
         if let Some(places) = &mut places {
             places.reserve(points.len());
@@ -124,8 +130,7 @@ impl VoxelGrid {
             let begin = chunk * CHUNK;
             let chunk = Chunk { points, errors: errors.part(begin..begin + points.len()) };
             // Where cells may run out, the first points get them, as one by one.
-            let room = self.len() + points.len() <= MOST_CELLS;
-            let by_voxel = self.assignment == Assignment::Voxel && room;
+            let by_voxel = self.assignment == Assignment::Voxel && self.has_room(points.len());
             if by_voxel && (alone || rayon::current_num_threads() == 1 && self.are_in_order(points)) {
                 taken.add(&self.insert_in_order(&chunk, motion, cells, places.as_deref_mut()));
                 continue;

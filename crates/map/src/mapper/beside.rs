@@ -1,11 +1,12 @@
-//! Points into the cells on one thread, while the other puts those before into the samples and those after into the world.
+//! Points into the cells on one thread, while the other puts those before into the samples, and takes those after into the world and finds
+//! their voxels.
 //!
 //! Two threads are done sooner so than with each step on both: that of many points into cells takes half as much again in all then.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use terrace_grid::{CellId, GridError, Taken, VoxelGrid};
+use terrace_grid::{CellId, GridError, Locator, Motion, PointErrors, PointVoxels, Taken, VoxelGrid};
 use terrace_regions::Samples;
 use terrace_types::Scan;
 
@@ -14,7 +15,7 @@ use super::line::{Line, lock};
 use super::{Kept, Mapper, cell_number};
 use crate::InsertError;
 use crate::seen::Seen;
-use crate::world::World;
+use crate::world::{World, errors_there, motion};
 
 /// Points that are in the same step: they stay in the cache.
 const AT_ONCE: usize = 1 << 12;
@@ -23,8 +24,8 @@ const _: () = assert!(AT_ONCE <= crate::world::AT_ONCE);
 /// Parts between the first step and the last: so far one thread may be ahead of the other.
 const ROOM: usize = 6;
 
-/// The steps: into the world, into the cells, and what becomes of points then.
-const WORLD: usize = 0;
+/// The steps: to their voxels in the world, into the cells, and what becomes of points then.
+const VOXELS: usize = 0;
 const CELLS: usize = 1;
 const BEHIND: usize = 2;
 
@@ -32,15 +33,24 @@ const BEHIND: usize = 2;
 #[derive(Default)]
 struct Part {
     world: World,
+    voxels: PointVoxels,
     cells: Vec<Option<CellId>>,
-    places: Vec<[i16; 3]>,
+}
+
+/// Points, what takes them into the world if they are not there, and their errors there.
+type Points<'p> = (&'p [[f64; 3]], Option<&'p Motion<'p>>, PointErrors<'p>);
+
+/// From where points come.
+struct Source<'s> {
+    scan: &'s Scan,
+    motion: Option<Box<Motion<'static>>>,
+    /// Where voxels can be found apart from the grid.
+    locator: Option<Locator>,
 }
 
 /// Where points go first.
 struct Front<'m> {
     grid: &'m mut VoxelGrid,
-    /// Whether it matters where in their cells they are.
-    places: bool,
     taken: Result<Taken, GridError>,
 }
 
@@ -61,11 +71,11 @@ impl Mapper {
         let before = kept.cells.len();
         let matters = self.sightings_matter(scan);
         let keeps = self.seen.is_none();
-        let grows = self.params.grows().is_some();
         let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let seen = seen.as_mut().filter(|_| matters);
+        let source = Source { scan, motion: motion(scan), locator: grid.locator() };
         let behind = Mutex::new(Behind { samples: samples.as_mut(), seen, kept: keeps.then_some(&mut kept) });
-        let front = Mutex::new(Front { grid, places: grows, taken: Ok(Taken::default()) });
+        let front = Mutex::new(Front { grid, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
         let parts: [Mutex<Part>; ROOM] = Default::default();
         let step = |step: usize, number: usize| {
@@ -73,27 +83,47 @@ impl Mapper {
             let range = first..(first + AT_ONCE).min(scan.len());
             let part = &mut *lock(&parts[number % ROOM]);
             match step {
-                WORLD => part.world.make(scan, range),
-                CELLS => return lock(&front).take(part, scan, range),
+                VOXELS => return source.find(range, part),
+                CELLS => return lock(&front).take(&source, range, part),
                 _ => lock(&behind).take(part),
             }
             true
         };
         let line = Line::new(scan.len().div_ceil(AT_ONCE), ROOM);
-        rayon::join(|| line.work([CELLS, WORLD, BEHIND], step), || line.work([BEHIND, WORLD, CELLS], step));
+        rayon::join(|| line.work([CELLS, VOXELS, BEHIND], step), || line.work([BEHIND, VOXELS, CELLS], step));
         let taken = front.into_inner().unwrap_or_else(PoisonError::into_inner).taken;
         self.give_back(kept, if taken.is_ok() { usize::MAX } else { before });
         Ok(taken?)
     }
 }
 
+impl Source<'_> {
+    fn points<'p>(&'p self, range: Range<usize>, world: &'p World) -> Points<'p> {
+        if let Some(errors) = errors_there(self.scan, range.clone()) {
+            return (&self.scan.points()[range], self.motion.as_deref(), errors);
+        }
+        let (points, errors) = world.made(self.scan, range);
+        (points, None, errors)
+    }
+
+    fn find(&self, range: Range<usize>, part: &mut Part) -> bool {
+        if errors_there(self.scan, range.clone()).is_none() {
+            part.world.make(self.scan, range.clone());
+        }
+        let (points, motion, errors) = self.points(range, &part.world);
+        self.locator.is_none_or(|locator| locator.locate(points, motion, errors, &mut part.voxels).is_ok())
+    }
+}
+
 impl Front<'_> {
-    fn take(&mut self, part: &mut Part, scan: &Scan, range: Range<usize>) -> bool {
-        let Part { world, cells, places } = part;
+    fn take(&mut self, source: &Source<'_>, range: Range<usize>, part: &mut Part) -> bool {
+        let Part { world, voxels, cells } = part;
         cells.clear();
-        places.clear();
-        let (points, errors) = world.made(scan, range);
-        let taken = self.grid.insert_alone(points, None, errors, cells, self.places.then_some(places));
+        let (points, motion, errors) = source.points(range, world);
+        let taken = match source.locator {
+            Some(_) => self.grid.insert_located(voxels, (points, motion), errors, cells),
+            None => self.grid.insert_alone(points, motion, errors, cells, None),
+        };
         self.taken = self.taken.and_then(|all| Ok(both(&all, &taken?)));
         self.taken.is_ok()
     }
@@ -101,7 +131,8 @@ impl Front<'_> {
 
 impl Behind<'_> {
     fn take(&mut self, part: &Part) {
-        let Part { cells, places, .. } = part;
+        let Part { cells, voxels, .. } = part;
+        let places = voxels.places();
         if let Some(samples) = &mut self.samples {
             samples.push_alone(|at| cells[at].map(cell_number), places);
         }
@@ -110,7 +141,9 @@ impl Behind<'_> {
         }
         if let Some(kept) = &mut self.kept {
             kept.cells.extend_from_slice(cells);
-            kept.places.extend_from_slice(places);
+            if self.samples.is_some() {
+                kept.places.extend_from_slice(places);
+            }
         }
     }
 }
