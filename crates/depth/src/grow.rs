@@ -208,7 +208,10 @@ impl<'a, 't> Growing<'a, 't> {
             }
             let fitted = Fitted::of(&sum, self.noise)?;
             plane = fitted.plane;
-            spread = self.spread(&tiles, &plane);
+            // Times nothing, where errors are all there is.
+            if self.allowed > 0.0 {
+                spread = self.spread(&tiles, &plane);
+            }
             let stays = tiles.len() == before;
             before = tiles.len();
             found = Some(Region { tiles, fitted, seed });
