@@ -232,8 +232,12 @@ impl<'a, 'f> Growing<'a, 'f> {
         cells
     }
 
-    /// How far the means of cells scatter about the plane beyond their errors, as a variance in units of those of points.
+    /// How far the means of cells scatter about the plane beyond their errors, as a variance in units of those of points; not asked where
+    /// nothing is allowed for it.
     fn spread(&self, cells: &[u32], plane: &Flat) -> f64 {
+        if self.growth.spread <= 0.0 {
+            return 0.0;
+        }
         let (mut sum, mut points) = (0.0, 0.0);
         for cell in cells.iter().map(|cell| &self.field.cells[*cell as usize]) {
             let off = plane.distance(cell.mean);
