@@ -146,17 +146,17 @@ fn row(entry: &Entry) -> Outcome<Row> {
     let mut finder = PlaneFinder::new(camera, entry.noise, Settings::default())?;
     let mut row = Row { seconds: [f64::INFINITY; 2], planes: [0; 2], scores: [None, None] };
     for _ in 0..RUNS {
-        let begin = Usage::now()?.cpu;
+        let begin = Usage::cpu_now()?;
         let found = finder.find(&image.raw)?;
-        row.seconds[0] = row.seconds[0].min(Usage::now()?.cpu - begin);
+        row.seconds[0] = row.seconds[0].min(Usage::cpu_now()? - begin);
         row.planes[0] = found.planes.len();
         row.scores[0] = score(truth.as_deref(), &found.labels)?;
     }
-    let begin = Usage::now()?.cpu;
+    let begin = Usage::cpu_now()?;
     let mut mapper = Mapper::new(Params::default())?;
     mapper.insert(&scan)?;
     let map = mapper.extract()?;
-    row.seconds[1] = Usage::now()?.cpu - begin;
+    row.seconds[1] = Usage::cpu_now()? - begin;
     row.planes[1] = map.planes.len();
     row.scores[1] = score(truth.as_deref(), &map.labels)?;
     Ok(row)

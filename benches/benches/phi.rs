@@ -74,26 +74,26 @@ fn paper() -> Params {
 }
 
 fn row(name: &str, params: Params, scans: &[Scan], folder: Option<&Path>) -> Outcome<()> {
-    let start = Usage::now()?.cpu;
+    let start = Usage::cpu_now()?;
     let mut mapper = Mapper::new(params)?;
     for scan in scans {
         mapper.insert(scan)?;
     }
-    let grid = Usage::now()?.cpu;
+    let grid = Usage::cpu_now()?;
     let uncertain = mapper.uncertain_clusters()?;
     let clusters: Vec<UncertainCluster<'_>> = uncertain.iter().collect();
-    let normals = Usage::now()?.cpu;
+    let normals = Usage::cpu_now()?;
     let found = each(&clusters, |cluster| cluster.search(Search::default()))?;
-    let searched = Usage::now()?.cpu;
+    let searched = Usage::cpu_now()?;
     let proofs = each(&clusters, |cluster| cluster.search(Search::Certified { evaluations: None }))?;
-    let proven = Usage::now()?.cpu;
+    let proven = Usage::cpu_now()?;
     let staircases = each(&clusters, |cluster| cluster.staircase(usize::MAX))?;
-    let walked = Usage::now()?.cpu;
+    let walked = Usage::cpu_now()?;
     let naive = if staircases.iter().all(|s| s.len() <= NAIVE) {
         for (cluster, staircase) in clusters.iter().zip(&staircases) {
             walk_from_nothing(cluster, staircase)?;
         }
-        format!("{:.3}", Usage::now()?.cpu - walked)
+        format!("{:.3}", Usage::cpu_now()? - walked)
     } else {
         "-".into()
     };

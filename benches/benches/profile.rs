@@ -48,10 +48,10 @@ fn profile(points: usize) -> Outcome<()> {
     let mut best = [f64::INFINITY; PARTS.len()];
     let (mut planes, mut occupied) = (0, 0);
     for _ in 0..RUNS {
-        let mut clock = Usage::now()?.cpu;
+        let mut clock = Usage::cpu_now()?;
         let mut part = 0;
         let mut done = |best: &mut [f64; PARTS.len()]| -> Outcome<()> {
-            let now = Usage::now()?.cpu;
+            let now = Usage::cpu_now()?;
             best[part] = best[part].min(now - clock);
             part += 1;
             clock = now;

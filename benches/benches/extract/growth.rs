@@ -2,12 +2,15 @@
 //!
 //! `cargo bench -p terrace-benches --bench extract -- --growth [POINTS]`, from 10⁵ points to ten times as many and so on, up to 10⁷ or
 //! POINTS; on one thread, with all points in memory. Of a large place much of the time is the system handing out memory for the first time:
-//! how much is seen beside the last of three extractions.
+//! how much is told where it takes so long that the system's count of hundredths of a second tells it, and by the last of three
+//! extractions.
 
 use crate::{Outcome, RUNS, Row, STAGES, run, work};
 
 const FEWEST: usize = 100_000;
 const MOST: usize = 10_000_000;
+/// Seconds from which on the system's part of them is told.
+const LONG: f64 = 1.0;
 
 /// Prints a row for each number of points, and how far rows are apart.
 pub(crate) fn table(most: Option<&str>) -> Outcome<()> {
@@ -15,10 +18,10 @@ pub(crate) fn table(most: Option<&str>) -> Outcome<()> {
     let most = most.filter(|most| *most != "--bench").map(str::parse).transpose()?.unwrap_or(MOST);
     println!("CPU nanoseconds a point, the run of {RUNS} that takes least");
     println!(
-        "| points | {} | all but load | again, the last of three | bytes a point at the peak | peak MiB | planes |",
+        "| points | {} | all but load | by the system | again, the last of three | bytes a point at the peak | peak MiB | planes |",
         STAGES.join(" | ")
     );
-    println!("|{}", "---|".repeat(STAGES.len() + 6));
+    println!("|{}", "---|".repeat(STAGES.len() + 7));
     let (mut all, mut again) = (Vec::new(), Vec::new());
     let sizes = std::iter::successors(Some(FEWEST), |points| points.checked_mul(10));
     for points in sizes.take_while(|points| *points <= most) {
@@ -46,12 +49,15 @@ fn spread(all: &[f64]) -> f64 {
 
 /// What a point costs without the load, the first time and the last.
 fn print_row(row: &Row) -> (f64, f64) {
-    let [points, planes, _, peak, _, again] = [0, 1, 2, 3, 4, 5].map(|i| row[STAGES.len() + i]);
+    let [points, planes, _, peak, _, again, _, system] = std::array::from_fn(|i| row[STAGES.len() + i]);
     let a_point = |seconds: f64| 1e9 * seconds / points;
     let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{:.0}", a_point(*s))).collect();
     let (all, again) = (a_point(work(row)), a_point(again));
+    let system = if work(row) >= LONG { format!("{:.0}", a_point(system)) } else { String::new() };
     let bytes = peak * 1_048_576.0 / points;
     let stages = stages.join(" | ");
-    println!("| {points} | {stages} | {all:.0} | {again:.0} | {bytes:.0} | {peak:.0} | {planes} |");
+    println!(
+        "| {points} | {stages} | {all:.0} | {system} | {again:.0} | {bytes:.0} | {peak:.0} | {planes} |"
+    );
     (all, again)
 }

@@ -54,8 +54,8 @@ fn main() -> ExitCode {
 }
 
 /// Seconds of CPU per stage, the load first, then points, planes, MiB held as input and at the peak, and seconds by the clock of all but
-/// the load; of the last extraction seconds of CPU and by the clock.
-type Row = [f64; STAGES.len() + 7];
+/// the load; of the last extraction seconds of CPU and by the clock; seconds that the system worked in the first.
+type Row = [f64; STAGES.len() + 8];
 
 fn table() -> Outcome<()> {
     println!(
@@ -84,7 +84,7 @@ fn work(row: &Row) -> f64 {
 }
 
 fn print_row(input: &str, preset: &str, threads: &str, row: &Row) {
-    let [points, planes, held, peak, clock, again, again_clock] =
+    let [points, planes, held, peak, clock, again, again_clock, _] =
         std::array::from_fn(|i| row[STAGES.len() + i]);
     let stages: Vec<String> = row[..STAGES.len()].iter().map(|s| format!("{s:.3}")).collect();
     println!(
@@ -123,7 +123,7 @@ fn case(args: &[String]) -> Outcome<()> {
     let mut row = first.stages.to_vec();
     row[0] = loaded.cpu;
     row.extend([first.points as f64, first.planes as f64, loaded.resident, first.peak, first.clock]);
-    row.extend([last.stages.iter().sum(), last.clock]);
+    row.extend([last.stages.iter().sum(), last.clock, first.system]);
     println!("{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
     Ok(())
 }
@@ -135,6 +135,8 @@ struct Extraction {
     stages: [f64; STAGES.len()],
     /// Seconds by the clock.
     clock: f64,
+    /// Seconds that the system worked.
+    system: f64,
     /// MiB at the peak, so far.
     peak: f64,
     points: usize,
@@ -143,18 +145,19 @@ struct Extraction {
 
 impl Extraction {
     fn of(scans: &[Scan], params: Params, pool: &ThreadPool) -> Outcome<Self> {
-        let (before, began) = (Usage::now()?, Instant::now());
+        let system = Usage::system_now()?;
+        let (before, began) = (Usage::cpu_now()?, Instant::now());
         let mut mapper = Mapper::new(params)?;
         mapper.reserve(scans.iter().map(Scan::len).sum());
         pool.install(|| scans.iter().try_for_each(|scan| mapper.insert(scan).map(drop)))?;
-        let gridded = Usage::now()?;
+        let gridded = Usage::cpu_now()?;
         // From the last scan to the first stage nothing but the threads is made ready.
-        let mut begun = vec![(1, before.cpu), (2, gridded.cpu)];
+        let mut begun = vec![(1, before), (2, gridded)];
         let mut failed = None;
         let inserted = mapper.len();
         let map = pool.install(|| {
-            mapper.into_planes(|stage| match Usage::now() {
-                Ok(now) => begun.push((column(stage), now.cpu)),
+            mapper.into_planes(|stage| match Usage::cpu_now() {
+                Ok(now) => begun.push((column(stage), now)),
                 Err(error) => failed = Some(error),
             })
         })?;
@@ -162,12 +165,13 @@ impl Extraction {
             return Err(error.into());
         }
         let (end, clock) = (Usage::now()?, began.elapsed().as_secs_f64());
+        let system = Usage::system_now()? - system;
         begun.push((STAGES.len(), end.cpu));
         let mut stages = [0.0; STAGES.len()];
         for pair in begun.windows(2) {
             stages[pair[0].0] += pair[1].1 - pair[0].1;
         }
-        Ok(Self { stages, clock, peak: end.peak, points: inserted, planes: map.planes.len() })
+        Ok(Self { stages, clock, system, peak: end.peak, points: inserted, planes: map.planes.len() })
     }
 }
 
