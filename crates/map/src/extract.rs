@@ -11,7 +11,7 @@ use terrace_types::{Plane, PlaneId};
 use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::{face_sensors, seen_by};
 use crate::first::First;
-use crate::mapper::{Kept, Tags, in_one_piece, number_of};
+use crate::mapper::{FineCells, Kept, Tags, in_one_piece, number_of};
 use crate::nodes::Nodes;
 use crate::optimise::{Part, split};
 use crate::{CellCounts, ExtractError, ExtractedPlane, LabelledCell, Mapper, Optimised, Params, PlaneMap};
@@ -68,7 +68,7 @@ impl Mapper {
             labels.face_by_cells(&mut map);
             return Ok(map);
         }
-        self.extract_kept(self.fine().map(Cow::Borrowed), Cow::Borrowed(self.kept()), begins)
+        self.extract_kept(self.fine_cells(), Cow::Borrowed(self.kept()), begins)
     }
 
     /// [`Mapper::extract_observed`], to the bit, of a map that is not needed any more: labels take the place of what is kept of the points,
@@ -97,13 +97,13 @@ impl Mapper {
         let kept = Cow::Owned(self.take_kept());
         // Clusters are made of the cells themselves.
         let cells = if self.params().grows().is_some() { self.take_fine() } else { None };
-        self.extract_kept(cells.map(Cow::Owned), kept, begins)
+        self.extract_kept(cells, kept, begins)
     }
 
     /// The planes, and the labels of all points that are kept; as regions of these fine cells, which a map that is given away forgets.
     pub(crate) fn extract_kept(
         &self,
-        cells: Option<Cow<'_, VoxelGrid>>,
+        cells: Option<FineCells<'_>>,
         kept: Cow<'_, [Kept]>,
         begins: impl FnMut(Stage),
     ) -> Result<PlaneMap, ExtractError> {

@@ -7,7 +7,7 @@ use terrace_grid::{CellId, CellIndex, VoxelGrid};
 use terrace_types::{Frame, PlaneId, Scan};
 
 use crate::facing::{Counter, Seen, face_sensors};
-use crate::mapper::Kept;
+use crate::mapper::{FineCells, Kept};
 use crate::regions::RegionLabels;
 use crate::{ExtractError, Mapper, PlaneMap, Stage};
 
@@ -119,7 +119,7 @@ impl Mapper {
         &self,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, PointLabels<'_>), ExtractError> {
-        let (fine, kept) = (self.fine().map(Cow::Borrowed), Cow::Borrowed(self.kept()));
+        let (fine, kept) = (self.fine_cells(), Cow::Borrowed(self.kept()));
         let (map, by, _) = self.planes_and_labels(fine, kept, begins)?;
         Ok((map, PointLabels { of: Of::Lent(self), by, counts: true }))
     }
@@ -137,8 +137,8 @@ impl Mapper {
         let given =
             if self.is_streaming() && self.params().grows().is_some() { self.take_fine() } else { None };
         let (map, by, index) = match given {
-            Some(cells) => self.planes_and_labels(Some(Cow::Owned(cells)), kept, begins)?,
-            None => self.planes_and_labels(self.fine().map(Cow::Borrowed), kept, begins)?,
+            Some(cells) => self.planes_and_labels(Some(cells), kept, begins)?,
+            None => self.planes_and_labels(self.fine_cells(), kept, begins)?,
         };
         if index.is_some() {
             self.forget_samples();
@@ -148,7 +148,7 @@ impl Mapper {
 
     fn planes_and_labels(
         &self,
-        cells: Option<Cow<'_, VoxelGrid>>,
+        cells: Option<FineCells<'_>>,
         kept: Cow<'_, [Kept]>,
         begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, By, Option<CellIndex>), ExtractError> {

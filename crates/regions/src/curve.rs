@@ -4,7 +4,20 @@
 const BITS: u32 = 21;
 const CUBE: u32 = 3;
 
+/// In which order [`Field::of_ordered`](crate::Field::of_ordered) takes cells, where it is found before their sums are told: on another thread,
+/// say.
+#[derive(Debug)]
+pub struct Order(pub(crate) Curve);
+
+impl Order {
+    /// Of so many cells, none of them wide, by their keys.
+    pub fn of(cells: usize, key: impl Fn(usize) -> [i32; 3]) -> Self {
+        Self(Curve::of(cells, key))
+    }
+}
+
 /// Cells along a space-filling curve.
+#[derive(Debug)]
 pub(crate) struct Curve {
     /// Their keys in that order, from a corner of the largest cube.
     pub(crate) along: Vec<[u32; 3]>,
@@ -27,11 +40,20 @@ impl Curve {
         Self { along: order.iter().map(|at| keys[*at as usize]).collect(), order, corner }
     }
 
+    /// The key of the cell of a rank, as it was given.
+    pub(crate) fn key(&self, rank: usize) -> [i32; 3] {
+        as_given(self.along[rank], self.corner)
+    }
+
     /// The place of each cell among the given ones, and the keys as they were given.
     pub(crate) fn into_order_and_keys(self) -> (Vec<u32>, Vec<[i32; 3]>) {
-        let key = |key: [u32; 3]| [0, 1, 2].map(|i| key[i].cast_signed().wrapping_add(self.corner[i]));
-        (self.order, self.along.into_iter().map(key).collect())
+        (self.order, self.along.into_iter().map(|key| as_given(key, self.corner)).collect())
     }
+}
+
+/// What is a key from the corner of a curve.
+fn as_given(along: [u32; 3], corner: [i32; 3]) -> [i32; 3] {
+    [0, 1, 2].map(|i| along[i].cast_signed().wrapping_add(corner[i]))
 }
 
 /// A key from the corner of a curve.

@@ -10,7 +10,7 @@ use terrace_stats::{Stats, SymmetricMatrix3};
 use crate::anchored::Anchored;
 use crate::around::{Bounded, told};
 use crate::cell::{Noise, Sums};
-use crate::curve::{Curve, along_curve};
+use crate::curve::{Curve, Order, along_curve};
 use crate::flat::Fitted;
 use crate::level::{Level, number};
 use crate::shared::SharedNoise;
@@ -89,6 +89,19 @@ impl Field {
     /// # Errors
     /// As [`of`](Self::of).
     pub fn of_each(given: &(impl Cells + ?Sized), edge: f64) -> Result<Self, RegionsError> {
+        Self::of_ordered(given, edge, None)
+    }
+
+    /// As [`of_each`](Self::of_each), for cells whose order was found before; one that is not theirs, or of cells of which some are wide, is
+    /// found anew.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_ordered(
+        given: &(impl Cells + ?Sized),
+        edge: f64,
+        order: Option<Order>,
+    ) -> Result<Self, RegionsError> {
         if !(edge.is_normal() && edge > 0.0) {
             return Err(RegionsError::Edge { edge });
         }
@@ -99,19 +112,25 @@ impl Field {
         let (is_wide, stats) = (|at: usize| given.is_wide(at), |at: usize| given.stats(at));
         // Of a wide cell that of the first cell it is in the place of.
         let first = |at: usize| if is_wide(at) { given.key(at).map(|k| k & !1) } else { given.key(at) };
-        let curve = Curve::of(cells, first);
-        let order = &curve.order;
         let some_wide = (0..cells).any(&is_wide);
+        let known = order.filter(|known| !some_wide && known.0.order.len() == cells);
+        let is_known = known.is_some();
+        let curve = known.map_or_else(|| Curve::of(cells, first), |known| known.0);
+        let order = &curve.order;
         let wide: Vec<bool> =
             order.iter().take_while(|_| some_wide).map(|at| is_wide(*at as usize)).collect();
         let anchored = Anchored::cubes(&curve.along, |rank| stats(order[rank] as usize).anchor().into());
-        let strange = AtomicBool::new(false);
+        let (strange, other) = (AtomicBool::new(false), AtomicBool::new(false));
         // Each cell is looked at once: they are not in the order of the curve.
         let of_cell = |rank: usize| {
             if let Some(later) = order.get(rank + AHEAD) {
                 given.fetch(*later as usize);
             }
-            let stats = stats(order[rank] as usize);
+            let at = order[rank] as usize;
+            if is_known && given.key(at) != curve.key(rank) {
+                other.store(true, Ordering::Relaxed);
+            }
+            let stats = stats(at);
             let sums = Sums::of(&stats).unwrap_or_else(|| {
                 strange.store(true, Ordering::Relaxed);
                 Sums::NOTHING
@@ -120,6 +139,9 @@ impl Field {
         };
         let of_cells = (0..cells).into_par_iter().with_min_len(AT_ONCE).map(of_cell);
         let (sums, anchors) = of_cells.unzip();
+        if other.into_inner() {
+            return Self::of_each(given, edge);
+        }
         let corner = curve.corner;
         let (order, keys) = curve.into_order_and_keys();
         if strange.into_inner() {
@@ -318,5 +340,51 @@ impl Field {
         let level = &self.levels[level];
         let sum = self.anchored.sum_around(level, &self.cells, group, |_| None);
         sum.stats(self.anchored.anchor_of(level.cells(group).start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use terrace_stats::UncertainVector;
+
+    /// A cell of one point, for each key once.
+    fn of_keys(keys: &[[i32; 3]], wide: Option<usize>) -> Vec<Cell> {
+        let mut keys = keys.to_vec();
+        keys.sort_unstable();
+        keys.dedup();
+        // In an order that is neither that of the keys nor along the curve.
+        keys.sort_by_key(|key| key[0].wrapping_mul(7919) ^ key[1].wrapping_mul(104_729) ^ key[2]);
+        let of = |(at, key): (usize, &[i32; 3])| {
+            let is_wide = wide == Some(at);
+            // Far from the others.
+            let key = if is_wide { [100; 3] } else { *key };
+            let mut stats = Stats::new(key.map(f64::from));
+            stats.push(&UncertainVector::exact(key.map(|k| f64::from(k) + 0.25)));
+            Cell { key, is_wide, stats }
+        };
+        keys.iter().enumerate().map(of).collect()
+    }
+
+    fn told(field: &Result<Field, RegionsError>) -> String {
+        format!("{field:?}")
+    }
+
+    proptest! {
+        #[test]
+        fn an_order_that_was_found_before_changes_nothing_whatever_it_is_of(
+            keys in prop::collection::vec(prop::array::uniform3(-9..9_i32), 0..60),
+            others in prop::collection::vec(prop::array::uniform3(-9..9_i32), 0..60),
+            wide in prop::option::of(0..60_usize),
+        ) {
+            let (cells, others) = (of_keys(&keys, wide), of_keys(&others, None));
+            let order = |of: &[Cell]| Some(Order::of(of.len(), |at| of[at].key));
+            let expected = told(&Field::of(&cells, 1.0));
+            let backwards: Vec<Cell> = cells.iter().rev().copied().collect();
+            for of in [&cells, &others, &backwards] {
+                prop_assert_eq!(told(&Field::of_ordered(&cells[..], 1.0, order(of))), expected.clone());
+            }
+        }
     }
 }

@@ -105,6 +105,7 @@ mod weighed;
 
 pub use bend::{Bend, Column};
 pub use cell::{Cell, Cells};
+pub use curve::Order;
 pub use error::{RegionsError, SampleError};
 pub use field::Field;
 pub use labeller::{Labeller, Measure, Tally};

@@ -9,10 +9,11 @@ mod merge;
 mod parts;
 mod view;
 
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use terrace_grid::{CellId, GridError, VoxelGrid};
-use terrace_regions::Samples;
+use terrace_regions::{Order, Samples};
 
 use crate::seen::Seen;
 use crate::{CellSizeChoice, InsertError, Optimise, Params, ParamsError, StreamingError};
@@ -42,6 +43,7 @@ pub struct Mapper {
     spares: bool,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
+    beside: beside::Parts,
 }
 
 /// Cells of the cell size, made of those of half of it.
@@ -50,6 +52,14 @@ pub(crate) struct Coarse {
     pub(crate) grid: VoxelGrid,
     /// For each fine cell, the one it is a part of.
     pub(crate) of: Vec<CellId>,
+}
+
+/// The fine cells, as regions are grown of them.
+pub(crate) struct FineCells<'m> {
+    /// A map that is given away forgets them.
+    pub(crate) grid: Cow<'m, VoxelGrid>,
+    /// Along the curve, if that is known.
+    pub(crate) order: Option<Order>,
 }
 
 /// What became of the points of a scan.
@@ -82,6 +92,7 @@ impl Mapper {
             seen: None,
             spares: false,
             views: Vec::new(),
+            beside: beside::Parts::default(),
         })
     }
 
@@ -155,10 +166,31 @@ impl Mapper {
         self.coarse.get_or_init(made).as_ref()
     }
 
+    /// The fine cells, once the others are made of them.
+    pub(crate) fn fine_cells(&self) -> Option<FineCells<'_>> {
+        let order = self.make_coarse();
+        Some(FineCells { grid: Cow::Borrowed(self.fine.as_ref()?), order })
+    }
+
     /// Takes the fine cells away, once the others are made of them.
-    pub(crate) fn take_fine(&mut self) -> Option<VoxelGrid> {
-        self.coarse();
-        self.fine.take()
+    pub(crate) fn take_fine(&mut self) -> Option<FineCells<'static>> {
+        let order = self.make_coarse();
+        Some(FineCells { grid: Cow::Owned(self.fine.take()?), order })
+    }
+
+    /// Makes the cells of the cell size, if they are not made yet; and the order of the fine ones meanwhile, where there is another thread.
+    fn make_coarse(&self) -> Option<Order> {
+        let are_made = self.params.grows().is_none() || self.coarse.get().is_some();
+        let grid = self.fine.as_ref().filter(|_| !are_made)?;
+        if rayon::current_num_threads() == 1 {
+            self.coarse();
+            return None;
+        }
+        let order = || {
+            let keys: Vec<[i32; 3]> = grid.founded().map(|cell| cell.key()).collect();
+            Order::of(keys.len(), |at| keys[at])
+        };
+        Some(rayon::join(|| self.coarse().is_some(), order).1)
     }
 
     /// Forgets what only extractions need.
@@ -177,6 +209,7 @@ impl Mapper {
 
     /// Takes away what is kept of the points.
     pub(crate) fn take_kept(&mut self) -> Vec<Kept> {
+        self.beside = beside::Parts::default();
         std::mem::take(&mut self.kept)
     }
 

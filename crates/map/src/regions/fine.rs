@@ -2,7 +2,7 @@
 
 use terrace_grid::{Assignment, CellId, VoxelGrid};
 use terrace_regions::{
-    Cells, Field, Found, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together,
+    Cells, Field, Found, Order, PartOf, RegionsError, Sample, Samples, Share, SharedNoise, Together,
 };
 use terrace_stats::{Moments, Stats, SymmetricMatrix3};
 use terrace_types::PlaneId;
@@ -101,9 +101,9 @@ impl<'m> Fine<'m> {
         self.of.push(of);
     }
 
-    /// The cells laid out for regions to grow over, by the grid that they are of.
-    pub(crate) fn field(&self, grid: &VoxelGrid) -> Result<Field, RegionsError> {
-        Field::of_each(&OfGrid { fine: self, grid }, grid.cell_size())
+    /// The cells laid out for regions to grow over, by the grid that they are of, and the order of its cells if that is known.
+    pub(crate) fn field(&self, grid: &VoxelGrid, order: Option<Order>) -> Result<Field, RegionsError> {
+        Field::of_ordered(&OfGrid { fine: self, grid }, grid.cell_size(), order)
     }
 
     /// The key of a cell, of a whole one that of the first cell it is in the place of.

@@ -20,7 +20,7 @@ use terrace_types::{Plane, PlaneId};
 use crate::estimate::{Errors, Owned, estimate_planes};
 use crate::facing::{Seen, face_sensors};
 use crate::first::used_of;
-use crate::mapper::Kept;
+use crate::mapper::{FineCells, Kept};
 use crate::nodes::Nodes;
 use crate::{
     CellCounts, ExtractError, ExtractedPlane, Join, LabelledCell, Mapper, PlaneMap, Regions, Stage, Used,
@@ -56,7 +56,7 @@ impl Mapper {
     /// The planes as regions, and the labels of all points, of which these are kept. Of its fine cells, as [`Grown::of`] takes them.
     pub(crate) fn extract_regions(
         &self,
-        cells: Option<Cow<'_, VoxelGrid>>,
+        cells: Option<FineCells<'_>>,
         settings: &Regions,
         kept: Cow<'_, [Kept]>,
         mut begins: impl FnMut(Stage),
@@ -103,7 +103,7 @@ impl<'m> Grown<'m> {
     /// regions can grow without them.
     pub(crate) fn of(
         mapper: &'m Mapper,
-        cells: Option<Cow<'_, VoxelGrid>>,
+        cells: Option<FineCells<'_>>,
         kept: &[Kept],
         settings: &Regions,
         mut begins: impl FnMut(Stage),
@@ -112,6 +112,7 @@ impl<'m> Grown<'m> {
         let (Some(cells), Some(coarse), Some(samples)) = (cells, mapper.coarse(), mapper.samples()) else {
             return Err(ExtractError::Empty);
         };
+        let FineCells { grid: cells, order } = cells;
         begins(Stage::Normals { cells: grid.len() });
         let (mut nodes, mut fine) = rayon::join(
             || Nodes::without_normals(grid, used.tau, mapper.params()),
@@ -123,7 +124,7 @@ impl<'m> Grown<'m> {
         let known = nodes.know_errors(grid);
         let mut errors = Errors::of(mapper, kept, known, floor);
         let settings_of_find = settings.settings(known && settings.errors_are_complete);
-        let mut field = fine.field(&cells)?;
+        let mut field = fine.field(&cells, order)?;
         if known {
             fine.add_errors_of_poses(&cells, &mut field, &errors)?;
         } else {

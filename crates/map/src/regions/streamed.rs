@@ -1,8 +1,6 @@
 //! Regions whose points are not kept: planes first, labels as the points are read again.
 
-use std::borrow::Cow;
-
-use terrace_grid::{CellId, CellIndex, VoxelGrid};
+use terrace_grid::{CellId, CellIndex};
 use terrace_regions::Labeller;
 use terrace_types::PlaneId;
 
@@ -10,7 +8,7 @@ use super::coplanar::add_points;
 use super::tallies::{Borrowed, Measures, Tallies};
 use super::{Grown, Planes, label_each, renumbered, summed};
 use crate::facing::Seen;
-use crate::mapper::cell_number;
+use crate::mapper::{FineCells, cell_number};
 use crate::{ExtractError, ExtractedPlane, Mapper, PlaneMap, Regions, Stage};
 
 /// Tells points of regions, and measures those it has told.
@@ -31,7 +29,7 @@ impl Mapper {
     /// Of its fine cells, as [`Grown::of`] takes them, and which they were if they were given away.
     pub(crate) fn regions_streamed(
         &self,
-        cells: Option<Cow<'_, VoxelGrid>>,
+        cells: Option<FineCells<'_>>,
         settings: &Regions,
         mut begins: impl FnMut(Stage),
     ) -> Result<(PlaneMap, RegionLabels, Option<CellIndex>), ExtractError> {
