@@ -309,6 +309,31 @@ fn voxels_of_another_grid_or_of_other_points_are_found_again() {
 }
 
 #[test]
+fn voxels_that_were_found_with_errors_of_another_kind_are_found_again() {
+    let mut points = walls(300, 7);
+    points[17] = [f64::NAN; 3];
+    let (sigmas, axes) = (vec![0.01; 300], vec![[0.02; 3]; 300]);
+    let covariances = vec![[1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-4]; 300];
+    let kinds = [
+        PointErrors::None,
+        PointErrors::Each(&sigmas),
+        PointErrors::Axes(&axes),
+        PointErrors::Covariances(&covariances),
+    ];
+    for before in kinds {
+        for errors in kinds {
+            let mut grids = [0, 1].map(|_| VoxelGrid::new(0.1, Assignment::Voxel).unwrap());
+            let (mut voxels, mut cells) = (PointVoxels::default(), [const { Vec::new() }; 2]);
+            grids[0].locator().unwrap().locate(&points, None, before, &mut voxels).unwrap();
+            let found = grids[0].insert_located(&voxels, (&points, None), errors, &mut cells[0]);
+            let expected = grids[1].insert_alone(&points, None, errors, &mut cells[1], None);
+            assert_eq!((found, &cells[0]), (expected, &cells[1]));
+            assert_eq!(sums(&grids[0]), sums(&grids[1]));
+        }
+    }
+}
+
+#[test]
 fn as_many_errors_as_points() {
     let points = [[0.0; 3]; 3];
     let mut grid = VoxelGrid::new(0.1, Assignment::Voxel).unwrap();

@@ -13,7 +13,8 @@ pub struct PointVoxels {
     places: Vec<[i16; 3]>,
     /// Of the points that cannot be inserted.
     refused: Taken,
-    lattice: Option<Lattice>,
+    /// Of the grid, and how many numbers there were for the error of a point.
+    of: Option<(Lattice, usize)>,
 }
 
 /// Finds where points are in a grid that others add points to.
@@ -35,7 +36,7 @@ impl Locator {
         to: &mut PointVoxels,
     ) -> Result<(), GridError> {
         errors.require(points.len())?;
-        to.lattice = Some(self.lattice);
+        to.of = Some((self.lattice, errors.width()));
         to.refused = Taken::default();
         to.places.clear();
         to.batches.resize_with(points.len().div_ceil(BATCH), Batch::new);
@@ -82,8 +83,10 @@ impl VoxelGrid {
     pub fn locator(&self) -> Option<Locator> {
         (self.assignment == Assignment::Voxel).then_some(Locator { lattice: self.lattice })
     }
+
     /// As [`insert_alone`](Self::insert_alone), to the bit, with less left to do: the voxels are known. They are to be those that a [`Locator`] of
-    /// this grid found for the same points, motion and errors; of a grid of other cells, or of another number of points, they are found again.
+    /// this grid found for the same points, motion and errors; of a grid of other cells, of another number of points, or of errors of another
+    /// kind, they are found again.
     ///
     /// # Errors
     /// As [`insert_all`](Self::insert_all).
@@ -94,9 +97,10 @@ impl VoxelGrid {
         errors: PointErrors<'_>,
         cells: &mut Vec<Option<CellId>>,
     ) -> Result<Taken, GridError> {
-        let PointVoxels { batches, places, refused, lattice } = voxels;
+        let PointVoxels { batches, places, refused, of } = voxels;
+        let is_of_these = *of == Some((self.lattice, errors.width())) && places.len() == points.len();
         // Where cells may run out, the first points get them, as one by one.
-        if *lattice != Some(self.lattice) || places.len() != points.len() || !self.has_room(points.len()) {
+        if !(is_of_these && self.has_room(points.len())) {
             return self.insert_alone(points, motion, errors, cells, None);
         }
         errors.require(points.len())?;
