@@ -29,19 +29,8 @@ const VOXELS: usize = 0;
 const CELLS: usize = 1;
 const BEHIND: usize = 2;
 
-/// Memory of points on their way, for one scan after the other: handed out anew it would cost as much as a step. A copy of a map begins with
-/// none.
-#[derive(Debug, Default)]
-pub(super) struct Parts(Vec<Mutex<Part>>);
-
-impl Clone for Parts {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
 /// Some points on their way.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Part {
     world: World,
     voxels: PointVoxels,
@@ -82,15 +71,13 @@ impl Mapper {
         let before = kept.cells.len();
         let matters = self.sightings_matter(scan);
         let keeps = self.seen.is_none();
-        let Self { fine: Some(grid), samples, seen, beside: Parts(parts), .. } = self else {
-            return Ok(Taken::default());
-        };
+        let Self { fine: Some(grid), samples, seen, .. } = self else { return Ok(Taken::default()) };
         let seen = seen.as_mut().filter(|_| matters);
         let source = Source { scan, motion: motion(scan), locator: grid.locator() };
         let behind = Mutex::new(Behind { samples: samples.as_mut(), seen, kept: keeps.then_some(&mut kept) });
         let front = Mutex::new(Front { grid, taken: Ok(Taken::default()) });
         // Each is in one step at a time, which no other thread waits for.
-        parts.resize_with(ROOM, Mutex::default);
+        let parts: [Mutex<Part>; ROOM] = Default::default();
         let step = |step: usize, number: usize| {
             let first = number * AT_ONCE;
             let range = first..(first + AT_ONCE).min(scan.len());

@@ -43,7 +43,6 @@ pub struct Mapper {
     spares: bool,
     /// Where the sensors stood, scan after scan.
     views: Vec<View>,
-    beside: beside::Parts,
 }
 
 /// Cells of the cell size, made of those of half of it.
@@ -92,7 +91,6 @@ impl Mapper {
             seen: None,
             spares: false,
             views: Vec::new(),
-            beside: beside::Parts::default(),
         })
     }
 
@@ -209,7 +207,6 @@ impl Mapper {
 
     /// Takes away what is kept of the points.
     pub(crate) fn take_kept(&mut self) -> Vec<Kept> {
-        self.beside = beside::Parts::default();
         std::mem::take(&mut self.kept)
     }
 
